@@ -1,0 +1,28 @@
+//! Reflection models: one per file, all behind [`Brdf`], all in [`ALL`].
+
+mod phong;
+
+use crate::real::Real;
+use glam::{DVec2, DVec3};
+
+pub use phong::Phong;
+
+/// Specular reflection model. Directions are unit vectors in the local frame (z = normal) that point away from the
+/// surface; only the upper hemisphere reflects.
+pub trait Brdf {
+    /// f_r(wi, wo) in sr⁻¹, without the cosine; 0 where either direction is below the horizon.
+    fn eval(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// A direction `wi` for the unit-square point `u`, with density about proportional to the lobe seen from `wo`;
+    /// `None` where the sample falls below the horizon (its mass is then missing from the integral of [`Brdf::pdf`]).
+    fn sample(&self, wo: DVec3, u: DVec2) -> Option<DVec3>;
+
+    /// Density of [`Brdf::sample`] at `wi`, in sr⁻¹.
+    fn pdf(&self, wi: DVec3, wo: DVec3) -> f64;
+}
+
+/// The model as a formula over any [`Real`]: scalar reference and vector lanes from one source.
+pub trait Formula {
+    /// f_r(wi, wo) in sr⁻¹ for directions of the upper hemisphere (not tested here).
+    fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T;
+}

@@ -1,0 +1,48 @@
+//! Modified Phong (Lewis 1993), normalised to unit albedo at normal incidence.
+
+use super::{Brdf, Formula};
+use crate::frame::{basis, mirror};
+use crate::real::Real;
+use core::f64::consts::PI;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// f_r = (n+2)/(2π) max(0, cos α)^n, α between `wo` and the mirror of `wi` (Lewis 1993, "Making shaders more
+/// physically plausible"). Unit strength: `ks` multiplies it in the material.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Phong {
+    /// Shininess n ≥ 0.
+    pub exponent: f64,
+}
+
+impl Formula for Phong {
+    #[inline(always)]
+    fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        let c = wi[2] * wo[2] - wi[0] * wo[0] - wi[1] * wo[1];
+        c.powf(c.lit(self.exponent)) * c.lit((self.exponent + 2.0) / (2.0 * PI))
+    }
+}
+
+impl Brdf for Phong {
+    fn eval(&self, wi: DVec3, wo: DVec3) -> f64 {
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return 0.0;
+        }
+        self.f(wi.to_array(), wo.to_array())
+    }
+
+    fn sample(&self, wo: DVec3, u: DVec2) -> Option<DVec3> {
+        let c = u.x.powf(1.0 / (self.exponent + 1.0));
+        let s = (1.0 - c * c).max(0.0).sqrt();
+        let (sp, cp) = (2.0 * PI * u.y).sin_cos();
+        let wi = basis(mirror(wo)) * DVec3::new(s * cp, s * sp, c);
+        (wi.z > 0.0).then_some(wi)
+    }
+
+    fn pdf(&self, wi: DVec3, wo: DVec3) -> f64 {
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        (self.exponent + 1.0) / (2.0 * PI) * mirror(wo).dot(wi).max(0.0).powf(self.exponent)
+    }
+}

@@ -1,0 +1,4 @@
+//! Mean BRDF look-up (see the crate README section of the repository).
+pub mod brdf;
+pub mod frame;
+pub mod real;

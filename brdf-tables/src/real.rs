@@ -1,0 +1,187 @@
+//! One number type for scalar and vector code.
+//!
+//! A BRDF or a quadrature rule written over [`Real`] compiles to an f64 reference, to f32, and to sixteen f32 lanes:
+//! the readable twin and the fast path are the same source, and differ only in precision.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, prelude::*};
+
+/// Lanes of the vector instance of [`Real`].
+pub const LANES: usize = 16;
+
+/// A real number, or several of them in lanes.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// A truth value per lane.
+    type Mask: Copy;
+    /// The constant `x`, in the type of `self`.
+    fn lit(self, x: f64) -> Self;
+    /// `self · a + b`.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    /// Square root; the argument must not be negative.
+    fn sqrt(self) -> Self;
+    /// The smaller of two numbers.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two numbers.
+    fn max(self, other: Self) -> Self;
+    /// Whether `self < other`, per lane.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask holds, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// 2 to the power `self`; zero below −126 in the f32 types.
+    fn exp2(self) -> Self;
+    /// Base-2 logarithm of a positive, normal number.
+    fn log2(self) -> Self;
+
+    /// Absolute value.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.max(-self)
+    }
+    /// `self²`.
+    #[inline(always)]
+    fn sq(self) -> Self {
+        self * self
+    }
+    /// `self^n` for a base clamped at zero; `0^n = 0`.
+    #[inline(always)]
+    fn powf(self, n: Self) -> Self {
+        let tiny = self.lit(1e-30);
+        Self::select(self.lt(tiny), self.lit(0.0), (n * self.max(tiny).log2()).exp2())
+    }
+    /// e to the power `self`.
+    #[inline(always)]
+    fn exp(self) -> Self {
+        (self * self.lit(core::f64::consts::LOG2_E)).exp2()
+    }
+    /// `self` limited to `[lo, hi]`.
+    #[inline(always)]
+    fn clamp(self, lo: Self, hi: Self) -> Self {
+        self.max(lo).min(hi)
+    }
+}
+
+macro_rules! scalar {
+    ($t:ident) => {
+        impl Real for $t {
+            type Mask = bool;
+            #[inline(always)]
+            fn lit(self, x: f64) -> Self {
+                x as $t
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                // Without a hardware instruction the fused form is a slow library call.
+                self * a + b
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $t::sqrt(self)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other { self } else { other }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+            #[inline(always)]
+            fn exp2(self) -> Self {
+                $t::exp2(self)
+            }
+            #[inline(always)]
+            fn log2(self) -> Self {
+                $t::log2(self)
+            }
+        }
+    };
+}
+scalar!(f64);
+scalar!(f32);
+
+impl<S: Simd> Real for f32x16<S> {
+    type Mask = <Self as SimdBase<S>>::Mask;
+    #[inline(always)]
+    fn lit(self, x: f64) -> Self {
+        Self::splat(self.simd, x as f32)
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        SimdFloat::mul_add(self, a, b)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        SimdFloat::sqrt(self)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.simd_lt(other), self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(self.simd_gt(other), self, other)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self::Mask {
+        self.simd_lt(other)
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Select::select(mask, yes, no)
+    }
+    /// Magic-number split into integer and fraction, then the degree-6 minimax polynomial of 2^f on [−½, ½]
+    /// (relative error 2e-8).
+    #[inline(always)]
+    fn exp2(self) -> Self {
+        let x = Real::max(Real::min(self, self.lit(126.0)), self.lit(-126.0));
+        let magic = self.lit(12_582_912.0); // 1.5 · 2^23: adding it rounds to an integer held in the low mantissa bits
+        let shifted = x + magic;
+        let f = x - (shifted - magic);
+        let p = self.lit(1.535_336e-4);
+        let p = Real::mul_add(p, f, self.lit(1.339_887e-3));
+        let p = Real::mul_add(p, f, self.lit(9.618_437e-3));
+        let p = Real::mul_add(p, f, self.lit(5.550_332_6e-2));
+        let p = Real::mul_add(p, f, self.lit(2.402_264_8e-1));
+        let p = Real::mul_add(p, f, self.lit(6.931_472e-1));
+        let p = Real::mul_add(p, f, self.lit(1.0));
+        let bits: i32x16<S> = shifted.bitcast();
+        let scaled: i32x16<S> = p.bitcast::<i32x16<S>>() + (bits << 23);
+        Real::select(self.lt(self.lit(-126.0)), self.lit(0.0), scaled.bitcast())
+    }
+    /// Mantissa to [√½, √2), then the Cephes degree-8 polynomial of ln(1 + f) (relative error 1e-7 away from 1).
+    #[inline(always)]
+    fn log2(self) -> Self {
+        let bits: i32x16<S> = self.bitcast();
+        // Subtracting the bits of √½ leaves the exponent of the reduced mantissa in the upper nine bits.
+        let exponent = (bits - 0x3f35_04f3) >> 23;
+        let mantissa: Self = (bits - (exponent << 23)).bitcast();
+        let f = mantissa - self.lit(1.0);
+        let p = self.lit(7.037_683_6e-2);
+        let p = Real::mul_add(p, f, self.lit(-1.151_461e-1));
+        let p = Real::mul_add(p, f, self.lit(1.167_699_9e-1));
+        let p = Real::mul_add(p, f, self.lit(-1.242_014_1e-1));
+        let p = Real::mul_add(p, f, self.lit(1.424_932_3e-1));
+        let p = Real::mul_add(p, f, self.lit(-1.666_805_8e-1));
+        let p = Real::mul_add(p, f, self.lit(2.000_071_5e-1));
+        let p = Real::mul_add(p, f, self.lit(-2.499_999_4e-1));
+        let p = Real::mul_add(p, f, self.lit(3.333_333_1e-1));
+        let z = f * f;
+        let ln = Real::mul_add(p * z, f, f - z * self.lit(0.5));
+        Real::mul_add(ln, self.lit(core::f64::consts::LOG2_E), exponent.to_float())
+    }
+}

@@ -1,0 +1,1 @@
+//! The tests that cross crates, as a table of contents.
