@@ -11,12 +11,7 @@ pub const LANES: usize = 16;
 
 /// A real number, or several of them in lanes.
 pub trait Real:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// A truth value per lane.
     type Mask: Copy;
@@ -38,6 +33,11 @@ pub trait Real:
     fn exp2(self) -> Self;
     /// Base-2 logarithm of a positive, normal number.
     fn log2(self) -> Self;
+
+    /// Arc sine of a number in [−1, 1].
+    fn asin(self) -> Self;
+    /// Sine and cosine of an angle in [−π, π].
+    fn sin_cos(self) -> (Self, Self);
 
     /// Absolute value.
     #[inline(always)]
@@ -107,6 +107,14 @@ macro_rules! scalar {
             #[inline(always)]
             fn log2(self) -> Self {
                 $t::log2(self)
+            }
+            #[inline(always)]
+            fn asin(self) -> Self {
+                $t::asin(self)
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $t::sin_cos(self)
             }
         }
     };
@@ -183,5 +191,78 @@ impl<S: Simd> Real for f32x16<S> {
         let z = f * f;
         let ln = Real::mul_add(p * z, f, f - z * self.lit(0.5));
         Real::mul_add(ln, self.lit(core::f64::consts::LOG2_E), exponent.to_float())
+    }
+    /// Cephes asinf: a polynomial to ½, and asin x = π/2 − 2 asin √((1 − x)/2) above.
+    #[inline(always)]
+    fn asin(self) -> Self {
+        let a = Real::abs(self);
+        let large = self.lit(0.5).lt(a);
+        let z = Real::select(large, self.lit(0.5) * Real::abs(self.lit(1.0) - a), a * a);
+        let x = Real::select(large, Real::sqrt(z), a);
+        let p = self.lit(4.216_32e-2);
+        let p = Real::mul_add(p, z, self.lit(2.418_131_1e-2));
+        let p = Real::mul_add(p, z, self.lit(4.547_002_6e-2));
+        let p = Real::mul_add(p, z, self.lit(7.495_300_3e-2));
+        let p = Real::mul_add(p, z, self.lit(1.666_675_2e-1));
+        let r = Real::mul_add(p * z, x, x);
+        let r = Real::select(large, self.lit(core::f64::consts::FRAC_PI_2) - (r + r), r);
+        Real::select(self.lt(self.lit(0.0)), -r, r)
+    }
+    /// Taylor series of the half angle (|x| ≤ π/2, error below 6e-8), then the double-angle formulas.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let h = self * self.lit(0.5);
+        let z = h * h;
+        let s = self.lit(-2.505_210_8e-8);
+        let s = Real::mul_add(s, z, self.lit(2.755_731_9e-6));
+        let s = Real::mul_add(s, z, self.lit(-1.984_127e-4));
+        let s = Real::mul_add(s, z, self.lit(8.333_333_3e-3));
+        let s = Real::mul_add(s, z, self.lit(-1.666_666_7e-1));
+        let s = Real::mul_add(s * z, h, h);
+        let c = self.lit(2.087_675_7e-9);
+        let c = Real::mul_add(c, z, self.lit(-2.755_731_9e-7));
+        let c = Real::mul_add(c, z, self.lit(2.480_158_7e-5));
+        let c = Real::mul_add(c, z, self.lit(-1.388_888_9e-3));
+        let c = Real::mul_add(c, z, self.lit(4.166_666_7e-2));
+        let c = Real::mul_add(c, z, self.lit(-0.5));
+        let c = Real::mul_add(c, z, self.lit(1.0));
+        let two = self.lit(2.0);
+        (two * s * c, Real::mul_add(-two * s, s, self.lit(1.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    /// Every lane function against f64 at points that cover its range.
+    #[test]
+    fn lane_functions_match_f64() {
+        #[inline(always)]
+        fn check<S: Simd>(simd: S) {
+            for i in 0..4096 {
+                let x = (i as f64 + 0.5) / 2048.0 - 1.0;
+                let v = f32x16::splat(simd, x as f32);
+                let x = f64::from(x as f32);
+                let angle = v * v.lit(3.1);
+                let (s, c) = Real::sin_cos(angle);
+                let a = f64::from(angle[0]);
+                assert!((f64::from(s[0]) - a.sin()).abs() < 5e-7, "sin {a}");
+                assert!((f64::from(c[0]) - a.cos()).abs() < 5e-7, "cos {a}");
+                assert!((f64::from(v.asin()[0]) - x.asin()).abs() < 4e-7, "asin {x}");
+                let e = v * v.lit(60.0);
+                assert!((f64::from(e.exp2()[0]) / f64::from(e[0]).exp2() - 1.0).abs() < 3e-7, "exp2 {x}");
+                let positive = e.exp2();
+                assert!((f64::from(positive.log2()[0]) - f64::from(positive[0]).log2()).abs() < 1e-5, "log2 {x}");
+                let base = Real::abs(v);
+                let exact = x.abs().powf(500.0);
+                assert!((f64::from(base.powf(v.lit(500.0))[0]) - exact).abs() < 1e-4 * exact + 1e-37, "pow {x}");
+            }
+            let zero = f32x16::splat(simd, 0.0);
+            assert_eq!(zero.powf(zero.lit(20.0))[0], 0.0);
+            assert_eq!(zero.lit(-1.0).powf(zero.lit(20.0))[0], 0.0);
+        }
+        dispatch!(Level::new(), simd => check(simd));
     }
 }
