@@ -1,11 +1,30 @@
 //! Reflection models: one per file, all behind [`Brdf`], all in [`ALL`].
 
+mod fresnel;
+mod lafortune;
+mod microfacet;
 mod phong;
+mod specular;
+mod ward;
 
 use crate::real::Real;
 use glam::{DVec2, DVec3};
 
+pub use fresnel::Fresnel;
+pub use lafortune::{Lafortune, MAX_LOBES};
+pub use microfacet::{Distribution, Microfacet};
 pub use phong::Phong;
+pub use specular::{Specular, Visitor};
+pub use ward::{Ward, WardVariant};
+
+/// Half vector of two directions of the upper hemisphere; `None` where one is below the horizon, or both graze from
+/// opposite sides and none exists.
+fn half_vector(wi: DVec3, wo: DVec3) -> Option<DVec3> {
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        return None;
+    }
+    (wi + wo).try_normalize()
+}
 
 /// Specular reflection model. Directions are unit vectors in the local frame (z = normal) that point away from the
 /// surface; only the upper hemisphere reflects.

@@ -1,0 +1,102 @@
+//! Lafortune 1997: a sum of generalised cosine lobes.
+
+use super::{Brdf, Formula};
+use crate::frame::basis;
+use crate::real::Real;
+use core::f64::consts::PI;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Most lobes a [`Lafortune`] can hold: enough for published fits, and few enough to live inline.
+pub const MAX_LOBES: usize = 4;
+
+/// f_r = Σ max(0, Cx xᵢxₒ + Cy yᵢyₒ + Cz zᵢzₒ)ⁿ (Lafortune, Foo, Torrance and Greenberg 1997, "Non-linear
+/// approximation of reflectance functions", eq. 6). The strength of a lobe is in its coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<[f64; 4]>", into = "Vec<[f64; 4]>")]
+pub struct Lafortune {
+    lobes: [[f64; 4]; MAX_LOBES],
+    count: usize,
+}
+
+impl Lafortune {
+    /// The model with the given lobes `[Cx, Cy, Cz, n]`; `None` unless there are 1 to [`MAX_LOBES`] of them.
+    pub fn new(lobes: &[[f64; 4]]) -> Option<Self> {
+        if lobes.is_empty() || lobes.len() > MAX_LOBES {
+            return None;
+        }
+        let mut stored = [[0.0; 4]; MAX_LOBES];
+        stored[..lobes.len()].copy_from_slice(lobes);
+        Some(Self { lobes: stored, count: lobes.len() })
+    }
+
+    /// The lobes `[Cx, Cy, Cz, n]`.
+    #[inline(always)]
+    pub fn lobes(&self) -> &[[f64; 4]] {
+        &self.lobes[..self.count]
+    }
+
+    /// Axis of each lobe of wi seen from `wo` (not a unit vector), its exponent, and its integral over the sphere.
+    fn seen_from(&self, wo: DVec3) -> impl Iterator<Item = (DVec3, f64, f64)> {
+        self.lobes().iter().map(move |&[cx, cy, cz, n]| {
+            let axis = DVec3::new(cx, cy, cz) * wo;
+            (axis, n, axis.length().powf(n) * 2.0 * PI / (n + 1.0))
+        })
+    }
+}
+
+impl TryFrom<Vec<[f64; 4]>> for Lafortune {
+    type Error = &'static str;
+    fn try_from(lobes: Vec<[f64; 4]>) -> Result<Self, Self::Error> {
+        Self::new(&lobes).ok_or("a Lafortune model has 1 to 4 lobes")
+    }
+}
+
+impl From<Lafortune> for Vec<[f64; 4]> {
+    fn from(model: Lafortune) -> Self {
+        model.lobes().to_vec()
+    }
+}
+
+impl Formula for Lafortune {
+    #[inline(always)]
+    fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        let (x, y, z) = (wi[0] * wo[0], wi[1] * wo[1], wi[2] * wo[2]);
+        let mut sum = x.lit(0.0);
+        for &[cx, cy, cz, n] in self.lobes() {
+            sum = sum + (x * x.lit(cx) + y * x.lit(cy) + z * x.lit(cz)).powf(x.lit(n));
+        }
+        sum
+    }
+}
+
+impl Brdf for Lafortune {
+    fn eval(&self, wi: DVec3, wo: DVec3) -> f64 {
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return 0.0;
+        }
+        self.f(wi.to_array(), wo.to_array())
+    }
+
+    /// Lobes are chosen by their integral over the sphere, which makes the density proportional to f_r itself.
+    fn sample(&self, wo: DVec3, u: DVec2) -> Option<DVec3> {
+        let total: f64 = self.seen_from(wo).map(|(_, _, integral)| integral).sum();
+        let mut at = u.x * total;
+        for (axis, n, integral) in self.seen_from(wo) {
+            if at < integral {
+                let c = (at / integral).powf(1.0 / (n + 1.0));
+                let s = (1.0 - c * c).max(0.0).sqrt();
+                let (sp, cp) = (2.0 * PI * u.y).sin_cos();
+                let wi = basis(axis.normalize()) * DVec3::new(s * cp, s * sp, c);
+                return (wi.z > 0.0).then_some(wi);
+            }
+            at -= integral;
+        }
+        None
+    }
+
+    fn pdf(&self, wi: DVec3, wo: DVec3) -> f64 {
+        let total: f64 = self.seen_from(wo).map(|(_, _, integral)| integral).sum();
+        if total > 0.0 { self.eval(wi, wo) / total } else { 0.0 }
+    }
+}
