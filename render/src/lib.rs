@@ -1,1 +1,3 @@
-//! render
+//! Renders glossy global illumination: scenes, ray tracing, a path tracer.
+
+pub mod scene;

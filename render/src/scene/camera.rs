@@ -1,0 +1,87 @@
+//! The pinhole camera and its film.
+
+use glam::{Affine3A, Vec2};
+
+/// A pinhole camera. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's
+/// frame), so a loader of a format that looks along −z with x to the right turns it by half a turn about y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Camera frame to world; without scale.
+    pub to_world: Affine3A,
+    /// Angle in radians between the left and the right edge of the whole film (the loader converts other `fovAxis`).
+    pub fov_x: f32,
+    /// Depth along the axis in front of which nothing is seen.
+    pub near: f32,
+    /// Depth along the axis behind which nothing is seen.
+    pub far: f32,
+    /// Shift of the optical axis as a fraction of the film's width and height, right and down positive.
+    pub principal_point: Vec2,
+    /// Pixels and filter.
+    pub film: Film,
+}
+
+/// The pixel grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// Width of the whole film in pixels.
+    pub width: u32,
+    /// Height of the whole film in pixels.
+    pub height: u32,
+    /// The part to render; the picture has its size.
+    pub crop: Option<Crop>,
+    /// Pixel reconstruction filter.
+    pub filter: Filter,
+}
+
+/// A rectangle of pixels inside the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// First column.
+    pub x: u32,
+    /// First row, from the top.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// Pixel reconstruction filter, separable; lengths in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// 1 within `radius` (0.5: the pixel).
+    Box {
+        /// Half width.
+        radius: f32,
+    },
+    /// Falls linearly to 0 at `radius`.
+    Tent {
+        /// Half width.
+        radius: f32,
+    },
+    /// Gaussian cut off, and lowered to 0, at 4 standard deviations.
+    Gaussian {
+        /// Standard deviation.
+        stddev: f32,
+    },
+}
+
+impl Film {
+    /// The part to render: the crop, or everything.
+    pub fn window(&self) -> Crop {
+        self.crop.unwrap_or(Crop { x: 0, y: 0, width: self.width, height: self.height })
+    }
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            to_world: Affine3A::IDENTITY,
+            fov_x: 50f32.to_radians(),
+            near: 1e-2,
+            far: 1e4,
+            principal_point: Vec2::ZERO,
+            film: Film { width: 768, height: 576, crop: None, filter: Filter::Gaussian { stddev: 0.5 } },
+        }
+    }
+}

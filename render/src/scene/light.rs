@@ -1,0 +1,64 @@
+//! Emitters.
+
+use super::{Bitmap, ColorTexture, Rgb};
+use glam::{Mat3A, Vec3A};
+
+/// Diffuse emission from the front of a shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaEmitter {
+    /// Radiance in W·m⁻²·sr⁻¹.
+    pub radiance: ColorTexture,
+}
+
+/// A light without a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Radiates equally in all directions from a point.
+    Point {
+        /// World position.
+        position: Vec3A,
+        /// Radiant intensity in W·sr⁻¹.
+        intensity: Rgb,
+    },
+    /// Radiates into a cone; the intensity falls linearly in the angle from `beam` to `cutoff`, as Mitsuba's.
+    Spot {
+        /// World position.
+        position: Vec3A,
+        /// Unit axis of the cone, away from the light.
+        direction: Vec3A,
+        /// Radiant intensity on the axis in W·sr⁻¹.
+        intensity: Rgb,
+        /// Half angle of full intensity in radians.
+        beam: f32,
+        /// Half angle in radians outside which there is no light, ≥ `beam`.
+        cutoff: f32,
+    },
+    /// Parallel light, a sun without extent.
+    Directional {
+        /// Unit direction in which the light travels.
+        direction: Vec3A,
+        /// Irradiance on a surface facing the light in W·m⁻².
+        irradiance: Rgb,
+    },
+}
+
+/// Radiance from infinity.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Environment {
+    /// The same in all directions.
+    Constant(Rgb),
+    /// An image in latitude and longitude.
+    Map(EnvironmentMap),
+}
+
+/// A latitude-longitude image. A unit direction d in the map's own frame (y up) has
+/// u = atan2(d.x, −d.z)/2π modulo 1 and v = acos(d.y)/π; row 0 of the image is v = 0, its first texel u = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentMap {
+    /// Radiance before `scale`; `wrap`, `interpolation` and `to_uv` of the bitmap are not used.
+    pub image: Bitmap,
+    /// Rotation (a reflection is allowed) from the map's frame to the world: orthonormal columns.
+    pub to_world: Mat3A,
+    /// Factor on the radiance.
+    pub scale: f32,
+}

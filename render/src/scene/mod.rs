@@ -1,0 +1,67 @@
+//! What a scene file says, independent of its format: the loaders fill these types.
+//!
+//! Units: metres or whatever the file uses for length, radians, radiance in W·m⁻²·sr⁻¹. Colours are linear, with the
+//! sRGB primaries. Everything refers to everything else by index into the vectors of [`Scene`].
+
+mod camera;
+mod light;
+mod material;
+mod mesh;
+mod shapes;
+mod texture;
+mod validate;
+
+pub use camera::{Camera, Crop, Film, Filter};
+pub use light::{AreaEmitter, Environment, EnvironmentMap, Light};
+pub use material::{Distribution, Material, MaterialId, WardVariant};
+pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
+pub use texture::{Bitmap, ColorTexture, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};
+pub use validate::SceneError;
+
+/// A linear RGB triple: reflectance, radiance, intensity.
+pub type Rgb = glam::Vec3A;
+
+/// How far light is followed, in Mitsuba's counting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorSettings {
+    /// Largest number of path segments from the eye to the light: 1 shows only emitters, 2 adds direct light;
+    /// `u32::MAX` has no limit.
+    pub max_depth: u32,
+    /// Number of segments after which Russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Whether emitters and the environment are invisible to the camera.
+    pub hide_emitters: bool,
+    /// Samples per pixel the file asks for.
+    pub spp: u32,
+}
+
+impl Default for IntegratorSettings {
+    fn default() -> Self {
+        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, spp: 16 }
+    }
+}
+
+/// A whole scene.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Shapes in world space.
+    pub shapes: Vec<Shape>,
+    /// Sets of shapes stored once and drawn by [`Scene::instances`]; their shapes must not emit.
+    pub groups: Vec<Group>,
+    /// Placements of groups.
+    pub instances: Vec<Instance>,
+    /// Materials; nested ones (two-sided, blend, …) refer to others of this list.
+    pub materials: Vec<Material>,
+    /// A name for each material, for messages: the file's id, or made by the loader.
+    pub material_names: Vec<String>,
+    /// Textures.
+    pub textures: Vec<Texture>,
+    /// Lights without a surface.
+    pub lights: Vec<Light>,
+    /// Light from infinity, in every direction.
+    pub environment: Option<Environment>,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// Path length and the like.
+    pub integrator: IntegratorSettings,
+}
