@@ -1,7 +1,8 @@
 //! Lafortune 1997: a sum of generalised cosine lobes.
 
-use super::{Brdf, Formula};
+use super::{Brdf, Formula, Key, Kind, Model, Presence, Specular, Value, Values};
 use crate::frame::basis;
+use crate::material::MaterialError;
 use crate::real::Real;
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
@@ -19,21 +20,61 @@ pub struct Lafortune {
     count: usize,
 }
 
-impl Lafortune {
-    /// The model with the given lobes `[Cx, Cy, Cz, n]`; `None` unless there are 1 to [`MAX_LOBES`] of them.
-    pub fn new(lobes: &[[f64; 4]]) -> Option<Self> {
-        if lobes.is_empty() || lobes.len() > MAX_LOBES {
-            return None;
+pub(super) const MODEL: Model = Model {
+    name: "lafortune",
+    recipe: "lafortune",
+    source: "Lafortune, Foo, Torrance and Greenberg 1997, Non-linear approximation of reflectance functions, SIGGRAPH",
+    keys: &[Key { name: "lobes", kind: Kind::Lobes, presence: Presence::Required }],
+    build: |v| Lafortune::new(v.lobes("lobes")?).map(Specular::Lafortune),
+    examples: || {
+        let lobes: [&[[f64; 4]]; 5] = [
+            &[[-1.0, -1.0, 1.0, 16.0]],
+            &[[-1.05, -1.05, 0.95, 20.0]], // off-specular: brighter and nearer to the surface towards grazing
+            &[[-1.0, -0.9, 1.0, 30.0]],    // anisotropic
+            &[[0.9, 0.9, 0.9, 8.0], [0.0, 0.0, 0.8, 2.0]], // retro-reflective, and diffuse without a mirror part
+            &[[-0.96, -0.96, 0.98, 16.0], [-1.018, -1.018, 1.018, 88.0], [-1.0125, -1.0125, 1.0125, 186.0]],
+        ];
+        lobes.iter().flat_map(|l| Lafortune::new(l)).map(Specular::Lafortune).collect()
+    },
+    exceptions: &[],
+};
+
+/// Checks a list of lobes against the limits of [`Lafortune::new`].
+pub(super) fn check(key: &'static str, lobes: &[[f64; 4]]) -> Result<(), MaterialError> {
+    let within = |value: f64, min: f64, max: f64| {
+        (min..=max).contains(&value).then_some(()).ok_or(MaterialError::Range { key, value, min, max })
+    };
+    within(lobes.len() as f64, 1.0, MAX_LOBES as f64)?;
+    for (at, &[cx, cy, cz, n]) in lobes.iter().enumerate() {
+        [cx, cy, cz].iter().try_for_each(|&c| within(c, -100.0, 100.0))?;
+        within(n, 1e-3, 1e5)?;
+        if cx.abs().max(cy.abs()).max(cz.abs()).powf(n) > 1e9 {
+            return Err(MaterialError::Peak { key, lobe: at + 1 });
         }
+    }
+    Ok(())
+}
+
+impl Lafortune {
+    /// The model with the given lobes `[Cx, Cy, Cz, n]`.
+    ///
+    /// # Errors
+    /// Not 1 to [`MAX_LOBES`] lobes, |C| > 100 or not finite, n outside [1e-3, 1e5], or a peak above 1e9 sr⁻¹.
+    pub fn new(lobes: &[[f64; 4]]) -> Result<Self, MaterialError> {
+        check("lobes", lobes)?;
         let mut stored = [[0.0; 4]; MAX_LOBES];
         stored[..lobes.len()].copy_from_slice(lobes);
-        Some(Self { lobes: stored, count: lobes.len() })
+        Ok(Self { lobes: stored, count: lobes.len() })
     }
 
     /// The lobes `[Cx, Cy, Cz, n]`.
     #[inline(always)]
     pub fn lobes(&self) -> &[[f64; 4]] {
         &self.lobes[..self.count]
+    }
+
+    pub(super) fn values(&self) -> (&'static str, Values) {
+        ("lafortune", Values(vec![("lobes", Value::Lobes(self.lobes().to_vec()))]))
     }
 
     /// Axis of each lobe of wi seen from `wo` (not a unit vector), its exponent, and its integral over the sphere.
@@ -46,9 +87,9 @@ impl Lafortune {
 }
 
 impl TryFrom<Vec<[f64; 4]>> for Lafortune {
-    type Error = &'static str;
+    type Error = MaterialError;
     fn try_from(lobes: Vec<[f64; 4]>) -> Result<Self, Self::Error> {
-        Self::new(&lobes).ok_or("a Lafortune model has 1 to 4 lobes")
+        Self::new(&lobes)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Microfacet reflection with Beckmann or GGX facets, isotropic or anisotropic.
 
-use super::{Brdf, Formula, Fresnel, half_vector};
+use super::model::ALPHA;
+use super::{Brdf, Formula, Fresnel, Key, Model, Presence, Specular, Value, Values, half_vector};
+use crate::material::MaterialError;
 use crate::real::Real;
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
@@ -32,7 +34,95 @@ pub struct Microfacet {
     pub fresnel: Fresnel,
 }
 
+const KEYS: [Key; 6] = [
+    Key::number("alpha", ALPHA.0, ALPHA.1, Presence::Optional),
+    Key::number("alpha_x", ALPHA.0, ALPHA.1, Presence::Optional),
+    Key::number("alpha_y", ALPHA.0, ALPHA.1, Presence::Optional),
+    Key::color("eta", 0.01, 100.0, Presence::Optional),
+    Key::color("k", 0.01, 100.0, Presence::Optional),
+    Key::color("f0", 0.0, 1.0, Presence::Optional),
+];
+
+pub(super) const BECKMANN: Model = Model {
+    name: "beckmann",
+    recipe: "beckmann",
+    source: "Walter, Marschner, Li and Torrance 2007, Microfacet models for refraction through rough surfaces, EGSR",
+    keys: &KEYS,
+    build: |v| build(Distribution::Beckmann, v),
+    examples: || examples(Distribution::Beckmann),
+    exceptions: &[],
+};
+
+pub(super) const GGX: Model = Model {
+    name: "ggx",
+    recipe: "ggx",
+    source: "Walter et al. 2007; Heitz 2014, Understanding the masking-shadowing function, JCGT 3(2)",
+    keys: &KEYS,
+    build: |v| build(Distribution::Ggx, v),
+    examples: || examples(Distribution::Ggx),
+    exceptions: &[],
+};
+
+/// One alpha or two; eta and k, or f0, or neither.
+fn build(distribution: Distribution, v: &Values) -> Result<Specular, MaterialError> {
+    let has = |key| v.get(key).is_some();
+    let exclude =
+        |key, other| if has(key) && has(other) { Err(MaterialError::Conflict { key, other }) } else { Ok(()) };
+    exclude("alpha", "alpha_x")?;
+    exclude("alpha", "alpha_y")?;
+    exclude("eta", "f0")?;
+    exclude("k", "f0")?;
+    let (alpha_x, alpha_y) = match (v.number("alpha"), v.number("alpha_x"), v.number("alpha_y")) {
+        (Ok(alpha), ..) => (alpha, alpha),
+        (_, Ok(x), Ok(y)) => (x, y),
+        (_, Err(_), Err(_)) => return Err(MaterialError::Missing { key: "alpha (or alpha_x and alpha_y)" }),
+        (_, x, y) => (x?, y?),
+    };
+    let fresnel = if has("f0") {
+        Fresnel::Schlick { f0: v.color("f0")? }
+    } else if has("eta") || has("k") {
+        Fresnel::Conductor { eta: v.color("eta")?, k: v.color("k")? }
+    } else {
+        Fresnel::None
+    };
+    Ok(Specular::Microfacet(Microfacet { distribution, alpha_x, alpha_y, fresnel }))
+}
+
+fn examples(distribution: Distribution) -> Vec<Specular> {
+    let gold = Fresnel::Conductor { eta: [0.143, 0.375, 1.442], k: [3.983, 2.386, 1.603] };
+    let plastic = Fresnel::Schlick { f0: [0.04; 3] };
+    let tinted = Fresnel::Schlick { f0: [0.9, 0.6, 0.3] };
+    let instances = [
+        (0.01, 0.01, Fresnel::None),
+        (0.1, 0.1, Fresnel::None),
+        (0.3, 0.3, gold),
+        (0.1, 0.5, tinted),
+        (0.4, 0.4, plastic),
+        (1.0, 1.0, Fresnel::None),
+    ];
+    let model = |(alpha_x, alpha_y, fresnel)| Microfacet { distribution, alpha_x, alpha_y, fresnel };
+    instances.map(|instance| Specular::Microfacet(model(instance))).to_vec()
+}
+
 impl Microfacet {
+    pub(super) fn values(&self) -> (&'static str, Values) {
+        let model = match self.distribution {
+            Distribution::Beckmann => "beckmann",
+            Distribution::Ggx => "ggx",
+        };
+        let mut values = if self.alpha_x == self.alpha_y {
+            vec![("alpha", Value::Number(self.alpha_x))]
+        } else {
+            vec![("alpha_x", Value::Number(self.alpha_x)), ("alpha_y", Value::Number(self.alpha_y))]
+        };
+        match self.fresnel {
+            Fresnel::None => {}
+            Fresnel::Schlick { f0 } => values.push(("f0", Value::Color(f0))),
+            Fresnel::Conductor { eta, k } => values.extend([("eta", Value::Color(eta)), ("k", Value::Color(k))]),
+        }
+        (model, Values(values))
+    }
+
     /// D(h) in sr⁻¹ for h = wi + wo of any length, and |h|². With α ≤ 1 the ratio below is at most 1, also in the limit
     /// h → 0 where `wi` and `wo` graze from opposite sides.
     #[inline(always)]

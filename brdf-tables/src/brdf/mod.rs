@@ -3,6 +3,7 @@
 mod fresnel;
 mod lafortune;
 mod microfacet;
+mod model;
 mod phong;
 mod specular;
 mod ward;
@@ -13,6 +14,7 @@ use glam::{DVec2, DVec3};
 pub use fresnel::Fresnel;
 pub use lafortune::{Lafortune, MAX_LOBES};
 pub use microfacet::{Distribution, Microfacet};
+pub use model::{ALL, Exception, Key, Kind, Model, Presence, Value, Values};
 pub use phong::Phong;
 pub use specular::{Specular, Visitor};
 pub use ward::{Ward, WardVariant};

@@ -1,6 +1,6 @@
 //! Modified Phong (Lewis 1993), normalised to unit albedo at normal incidence.
 
-use super::{Brdf, Formula};
+use super::{Brdf, Formula, Key, Model, Presence, Specular, Value, Values};
 use crate::frame::{basis, mirror};
 use crate::real::Real;
 use core::f64::consts::PI;
@@ -13,6 +13,22 @@ use serde::{Deserialize, Serialize};
 pub struct Phong {
     /// Shininess n ≥ 0.
     pub exponent: f64,
+}
+
+pub(super) const MODEL: Model = Model {
+    name: "phong",
+    recipe: "phong",
+    source: "Lewis 1993, Making shaders more physically plausible, Eurographics Workshop on Rendering",
+    keys: &[Key::number("exponent", 0.0, 1e5, Presence::Required)],
+    build: |v| Ok(Specular::Phong(Phong { exponent: v.number("exponent")? })),
+    examples: || [1.0, 5.0, 40.0, 200.0, 1000.0, 1e4].map(|exponent| Specular::Phong(Phong { exponent })).to_vec(),
+    exceptions: &[],
+};
+
+impl Phong {
+    pub(super) fn values(&self) -> (&'static str, Values) {
+        ("phong", Values(vec![("exponent", Value::Number(self.exponent))]))
+    }
 }
 
 impl Formula for Phong {

@@ -1,6 +1,6 @@
 //! The closed set of specular models, and the way from the set to one model's generic formula.
 
-use super::{Brdf, Formula, Lafortune, Microfacet, Phong, Ward};
+use super::{Brdf, Formula, Lafortune, Microfacet, Phong, Values, Ward};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -44,6 +44,11 @@ impl Specular {
     #[inline(always)]
     pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
         each_model!(self, m => visitor.visit(m))
+    }
+
+    /// Model name and values of the recipe (`kd` and `ks` belong to the material).
+    pub fn values(&self) -> (&'static str, Values) {
+        each_model!(self, m => m.values())
     }
 
     /// Whether f_r depends on the two azimuths only through their difference.
