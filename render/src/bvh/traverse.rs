@@ -1,0 +1,351 @@
+//! Ray queries: eight boxes or eight triangles per step, in the widest instructions the machine has.
+
+use super::{LEAF, Leaf, Node, TriangleBvh, WIDTH};
+use crate::ray::{Hit, Ray};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, mask32x8};
+
+impl TriangleBvh {
+    /// Nearest intersection before `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, hit: &mut Hit, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
+        let Some(root) = self.root else { return false };
+        dispatch!(self.level, simd => nearest(simd, self, root, ray, hit, accept))
+    }
+
+    /// Whether anything of which `accept` approves lies between `ray.t_min` and `ray.t_max`.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
+        let Some(root) = self.root else { return false };
+        dispatch!(self.level, simd => any(simd, self, root, ray, accept))
+    }
+}
+
+/// Entries the stack holds without touching the heap.
+const INLINE: usize = 48;
+
+/// Pending subtrees: entry distance (as ordered bits) above the reference. Trees of any depth fit.
+struct Stack {
+    len: usize,
+    inline: [u64; INLINE],
+    spill: Vec<u64>,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { len: 0, inline: [0; INLINE], spill: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, entry: u64) {
+        match self.inline.get_mut(self.len) {
+            Some(slot) => {
+                *slot = entry;
+                self.len += 1;
+            }
+            None => self.spill.push(entry),
+        }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<u64> {
+        if !self.spill.is_empty() {
+            return self.spill.pop();
+        }
+        self.len = self.len.checked_sub(1)?;
+        self.inline.get(self.len).copied()
+    }
+}
+
+/// What a ray needs in the box test.
+struct BoxTest<S: Simd> {
+    origin: [f32x8<S>; 3],
+    inverse: [f32x8<S>; 3],
+    /// Index into [`Node::bounds`] of the near and the far plane of each axis.
+    near: [usize; 3],
+    far: [usize; 3],
+}
+
+impl<S: Simd> BoxTest<S> {
+    #[inline(always)]
+    fn new(simd: S, ray: &Ray) -> Self {
+        // A direction component near zero is replaced by one whose inverse is finite, so that no 0 · ∞ appears.
+        let inverse = ray.direction.to_array().map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d });
+        Self {
+            origin: ray.origin.to_array().map(|o| f32x8::splat(simd, o)),
+            inverse: inverse.map(|i| f32x8::splat(simd, i)),
+            near: core::array::from_fn(|a| if inverse[a] < 0.0 { a + 3 } else { a }),
+            far: core::array::from_fn(|a| if inverse[a] < 0.0 { a } else { a + 3 }),
+        }
+    }
+
+    /// Entry distances, and the lanes whose box meets (t_min, t_max). The far distance is enlarged by the rounding
+    /// error of the test (Ize 2013, "Robust BVH ray traversal").
+    #[inline(always)]
+    fn test(&self, simd: S, node: &Node, t_min: f32, t_max: f32) -> (f32x8<S>, mask32x8<S>) {
+        let plane =
+            |p: usize, a: usize| (f32x8::load_array_ref(simd, &node.bounds[p]) - self.origin[a]) * self.inverse[a];
+        let near = plane(self.near[0], 0).max(plane(self.near[1], 1));
+        let near = near.max(plane(self.near[2], 2)).max(f32x8::splat(simd, t_min));
+        let far = plane(self.far[0], 0).min(plane(self.far[1], 1)).min(plane(self.far[2], 2));
+        let far = (far * f32x8::splat(simd, 1.000_000_4)).min(f32x8::splat(simd, t_max));
+        (near, near.simd_le(far))
+    }
+}
+
+/// What a ray needs in the triangle test of Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection".
+struct TriangleTest<S: Simd> {
+    /// Axes, the last the one along which the ray moves most.
+    axes: [usize; 3],
+    origin: [f32x8<S>; 3],
+    shear: [f32x8<S>; 3],
+}
+
+impl<S: Simd> TriangleTest<S> {
+    #[inline(always)]
+    fn new(simd: S, ray: &Ray) -> Self {
+        let d = ray.direction.abs();
+        let kz = if d.x > d.y && d.x > d.z {
+            0
+        } else if d.y > d.z {
+            1
+        } else {
+            2
+        };
+        let axes = [(kz + 1) % 3, (kz + 2) % 3, kz];
+        let [x, y, z] = axes.map(|a| ray.direction[a]);
+        Self {
+            axes,
+            origin: axes.map(|a| f32x8::splat(simd, ray.origin[a])),
+            shear: [x / z, y / z, 1.0 / z].map(|s| f32x8::splat(simd, s)),
+        }
+    }
+
+    /// Lanes hit in (t_min, t_max), with distances and the weights of the second and third vertex.
+    #[inline(always)]
+    fn test(&self, simd: S, leaf: &Leaf, t_min: f32, t_max: f32) -> (mask32x8<S>, [f32x8<S>; 3]) {
+        // Move the ray to the z axis: vertices relative to the origin, sheared.
+        let vertex = |v: usize| {
+            let [x, y, z] =
+                core::array::from_fn(|i| f32x8::load_array_ref(simd, &leaf.vertices[v][self.axes[i]]) - self.origin[i]);
+            [x - self.shear[0] * z, y - self.shear[1] * z, z]
+        };
+        let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (vertex(0), vertex(1), vertex(2));
+        // Scaled barycentrics. No fused operation: the triangle beyond an edge must find the exact opposite.
+        let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+        let zero = f32x8::splat(simd, 0.0);
+        let (low, high) = (u.min(v).min(w), u.max(v).max(w));
+        let det = u + v + w;
+        let inside = (low.simd_ge(zero) | high.simd_le(zero)) & !det.simd_eq(zero);
+        let inverse = f32x8::splat(simd, 1.0) / det;
+        let t = (u * az + v * bz + w * cz) * self.shear[2] * inverse;
+        let mask = inside & t.simd_gt(f32x8::splat(simd, t_min)) & t.simd_lt(f32x8::splat(simd, t_max));
+        (mask, [t, v * inverse, w * inverse])
+    }
+}
+
+#[inline(always)]
+fn nearest<S: Simd>(
+    simd: S,
+    bvh: &TriangleBvh,
+    root: u32,
+    ray: &Ray,
+    hit: &mut Hit,
+    accept: impl Fn(u32, f32, f32) -> bool,
+) -> bool {
+    let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
+    let mut stack = Stack::new();
+    let mut current = root;
+    let mut found = false;
+    loop {
+        if current & LEAF != 0 {
+            // Take the nearest accepted triangle of the leaf.
+            let leaf = &bvh.leaves[(current & !LEAF) as usize];
+            let (mask, values) = triangles.test(simd, leaf, ray.t_min, hit.t.min(ray.t_max));
+            let mut lanes = mask.to_bitmask() as u32;
+            if lanes != 0 {
+                let mut arrays = [[0f32; WIDTH]; 3];
+                for (array, value) in arrays.iter_mut().zip(values) {
+                    value.store_array(array);
+                }
+                let [t, b1, b2] = arrays;
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    if t[lane] < hit.t && accept(leaf.ids[lane], b1[lane], b2[lane]) {
+                        *hit = Hit { t: t[lane], b1: b1[lane], b2: b2[lane], primitive: leaf.ids[lane], ..*hit };
+                        found = true;
+                    }
+                }
+            }
+        } else {
+            // Visit the children from near to far.
+            let node = &bvh.nodes[current as usize];
+            let (near, mask) = boxes.test(simd, node, ray.t_min, hit.t.min(ray.t_max));
+            let mut lanes = mask.to_bitmask() as u32;
+            if lanes != 0 {
+                let mut t = [0f32; WIDTH];
+                near.store_array(&mut t);
+                let entry = |lane: usize| u64::from(t[lane].to_bits()) << 32 | u64::from(node.children[lane]);
+                let mut best = entry(lanes.trailing_zeros() as usize);
+                lanes &= lanes - 1;
+                let first = stack.len;
+                while lanes != 0 {
+                    let other = entry(lanes.trailing_zeros() as usize);
+                    lanes &= lanes - 1;
+                    stack.push(best.max(other));
+                    best = best.min(other);
+                }
+                sort_descending(&mut stack, first);
+                current = best as u32;
+                continue;
+            }
+        }
+        loop {
+            let Some(entry) = stack.pop() else { return found };
+            if f32::from_bits((entry >> 32) as u32) <= hit.t {
+                current = entry as u32;
+                break;
+            }
+        }
+    }
+}
+
+/// Orders the entries from `first` on so that the nearest is popped first. Entries on the heap stay as they came:
+/// the order is only a matter of speed.
+#[inline(always)]
+fn sort_descending(stack: &mut Stack, first: usize) {
+    let entries = &mut stack.inline[first.min(INLINE)..stack.len];
+    for i in 1..entries.len() {
+        let mut j = i;
+        while j > 0 && entries[j - 1] < entries[j] {
+            entries.swap(j - 1, j);
+            j -= 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn any<S: Simd>(simd: S, bvh: &TriangleBvh, root: u32, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
+    let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
+    let mut stack = Stack::new();
+    stack.push(u64::from(root));
+    while let Some(entry) = stack.pop() {
+        let current = entry as u32;
+        if current & LEAF != 0 {
+            let leaf = &bvh.leaves[(current & !LEAF) as usize];
+            let (mask, [_, b1, b2]) = triangles.test(simd, leaf, ray.t_min, ray.t_max);
+            let mut lanes = mask.to_bitmask() as u32;
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                if accept(leaf.ids[lane], b1.as_slice()[lane], b2.as_slice()[lane]) {
+                    return true;
+                }
+            }
+        } else {
+            let node = &bvh.nodes[current as usize];
+            let mut lanes = boxes.test(simd, node, ray.t_min, ray.t_max).1.to_bitmask() as u32;
+            while lanes != 0 {
+                stack.push(u64::from(node.children[lanes.trailing_zeros() as usize]));
+                lanes &= lanes - 1;
+            }
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus as StdRng;
+
+    /// The plain Möller–Trumbore test of one triangle: the readable twin of the vector code, used by the tests.
+    fn intersect_triangle([a, b, c]: [Vec3A; 3], ray: &Ray) -> Option<f32> {
+        let (e1, e2) = (b - a, c - a);
+        let p = ray.direction.cross(e2);
+        let det = e1.dot(p);
+        let s = ray.origin - a;
+        let q = s.cross(e1);
+        let (u, v, t) = (s.dot(p) / det, ray.direction.dot(q) / det, e2.dot(q) / det);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > ray.t_min && t < ray.t_max).then_some(t)
+    }
+
+    fn soup(n: usize, rng: &mut StdRng) -> Vec<[Vec3A; 3]> {
+        let mut point = |s: f32| Vec3A::from_array(core::array::from_fn(|_| rng.random_range(-s..s)));
+        (0..n)
+            .map(|_| {
+                let p = point(1.0);
+                [p, p + point(0.2), p + point(0.2)]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn agrees_with_the_plain_test_of_every_triangle() {
+        let mut rng = StdRng::seed_from_u64(1);
+        for n in [0, 1, 2, 7, 8, 9, 65, 1000] {
+            let triangles = soup(n, &mut rng);
+            let bvh = TriangleBvh::new(&triangles);
+            for i in 0..500 {
+                let mut v = || Vec3A::from_array(core::array::from_fn(|_| rng.random_range(-1.5f32..1.5)));
+                let (origin, direction) = (v(), if i % 5 == 0 { Vec3A::X } else { v().normalize() });
+                let ray = Ray::new(origin, direction);
+                let expected =
+                    triangles.iter().filter_map(|t| intersect_triangle(*t, &ray)).fold(f32::INFINITY, f32::min);
+                let mut hit = Hit::NONE;
+                assert_eq!(
+                    bvh.intersect(&ray, &mut hit, |_, _, _| true),
+                    expected.is_finite(),
+                    "{n} triangles, ray {i}"
+                );
+                assert!(hit.t == expected || (hit.t - expected).abs() < 1e-5 * expected, "{} {expected}", hit.t);
+                assert_eq!(bvh.occluded(&ray, |_, _, _| true), expected.is_finite());
+                if hit.exists() {
+                    let [a, b, c] = triangles[hit.primitive as usize];
+                    let p = a * (1.0 - hit.b1 - hit.b2) + b * hit.b1 + c * hit.b2;
+                    assert!((p - origin - direction * hit.t).length() < 1e-4);
+                    assert!(!bvh.occluded(&Ray { t_max: hit.t * 0.999, ..ray }, |_, _, _| true));
+                }
+            }
+        }
+    }
+
+    /// A closed, irregular surface seen from inside: every ray must hit it, also towards vertices and along edges.
+    #[test]
+    fn no_ray_leaves_a_closed_mesh() {
+        let n = 40;
+        let point = |i: usize, j: usize| {
+            let (s, c) = (core::f32::consts::TAU * (i % n) as f32 / n as f32).sin_cos();
+            let (st, ct) = (core::f32::consts::PI * j as f32 / n as f32).sin_cos();
+            let r = 1.0 + 0.3 * ((7 * (i % n) + 3 * j) as f32).sin();
+            if j == 0 || j == n { Vec3A::new(0.0, 0.0, ct.signum()) } else { Vec3A::new(st * c, st * s, ct) * r }
+        };
+        let mut triangles = Vec::new();
+        for i in 0..n {
+            for j in 0..n {
+                let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        let bvh = TriangleBvh::new(&triangles);
+        let origin = Vec3A::new(0.05, -0.02, 0.03);
+        let targets =
+            triangles.iter().flat_map(|[a, b, c]| [*a, (*a + *b) * 0.5, b.lerp(*c, 0.3), (*a + *b + *c) / 3.0]);
+        for target in targets {
+            assert!(bvh.occluded(&Ray::new(origin, target - origin), |_, _, _| true), "towards {target}");
+        }
+    }
+
+    #[test]
+    fn degenerate_input_ends() {
+        let triangles = vec![[Vec3A::ONE; 3]; 5000];
+        let bvh = TriangleBvh::new(&triangles);
+        assert!(!bvh.occluded(&Ray::new(Vec3A::ZERO, Vec3A::ONE), |_, _, _| true));
+        let stacked = vec![[Vec3A::ZERO, Vec3A::X, Vec3A::Y]; 5000];
+        let bvh = TriangleBvh::new(&stacked);
+        assert!(bvh.occluded(&Ray::new(Vec3A::new(0.2, 0.2, 1.0), Vec3A::NEG_Z), |_, _, _| true));
+    }
+}

@@ -1,0 +1,106 @@
+//! Triangle meshes from files, and what every mesh goes through before it enters a scene.
+
+pub mod obj;
+pub mod ply;
+pub mod serialized;
+
+use super::error::FileError;
+use crate::scene::Mesh;
+use glam::{Affine3A, DVec3, Vec3};
+use std::path::Path;
+
+/// Larger coordinates overflow the squared areas that single precision computes with.
+const MAX_COORDINATE: f32 = 1e9;
+
+/// What the scene file asks of a mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Finish {
+    /// Object space to world (or group) space.
+    pub to_world: Affine3A,
+    /// Flat shading: vertex normals are dropped, and not made where the file has none.
+    pub face_normals: bool,
+    /// Exchange front and back.
+    pub flip_normals: bool,
+}
+
+/// Checks a mesh as parsed, transforms it, drops triangles without area and makes smooth normals where the file has
+/// none. Returns the mesh and the number of triangles dropped.
+///
+/// Vertex normals decide which side is the front, as in Mitsuba: the winding of triangles that disagree is turned.
+pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usize), FileError> {
+    let count = mesh.positions.len();
+    if let Some((i, t)) = mesh.triangles.iter().enumerate().find(|(_, t)| t.iter().any(|&v| v as usize >= count)) {
+        let what = format!("triangle {i} refers to vertices {t:?}, but there are only {count}");
+        return Err(FileError::new(path, what));
+    }
+    if finish.face_normals {
+        mesh.normals.clear();
+    }
+    mesh = mesh.transformed(finish.to_world);
+    if finish.flip_normals {
+        mesh = mesh.flipped();
+    }
+    if let Some(i) = mesh.positions.iter().position(|p| !(p.is_finite() && p.abs().max_element() <= MAX_COORDINATE)) {
+        let what = format!("vertex {i} lies at {}: not finite, or beyond {MAX_COORDINATE:e}", mesh.positions[i]);
+        return Err(FileError::new(path, what));
+    }
+    for (what, bad) in [
+        ("normal", mesh.normals.iter().position(|n| !n.is_finite())),
+        ("texture coordinate", mesh.uvs.iter().position(|t| !t.is_finite())),
+    ] {
+        if let Some(i) = bad {
+            return Err(FileError::new(path, format_args!("the {what} of vertex {i} is not finite")));
+        }
+    }
+    let before = mesh.triangles.len();
+    let Mesh { triangles, positions, .. } = &mut mesh;
+    triangles.retain(|t| area_vector(positions, t).length_squared() >= f64::from(f32::MIN_POSITIVE));
+    let dropped = before - triangles.len();
+    if mesh.normals.is_empty() && !finish.face_normals {
+        mesh.normals = smooth_normals(&mesh);
+    } else if !mesh.normals.is_empty() {
+        agree_with_normals(&mut mesh);
+    }
+    Ok((mesh, dropped))
+}
+
+/// (b − a) × (c − a): twice the area along the front's normal.
+fn area_vector(positions: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(|i| positions[i as usize].as_dvec3());
+    (b - a).cross(c - a)
+}
+
+/// Vertex normals as the mean of the faces' normals weighted by their angle at the vertex (Thürmer & Wüthrich 1998).
+fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for t in &mesh.triangles {
+        let normal = area_vector(&mesh.positions, t).normalize_or_zero().as_vec3();
+        for k in 0..3 {
+            let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|j| mesh.positions[t[j] as usize]);
+            sums[t[k] as usize] += normal * (b - a).angle_between(c - a);
+        }
+    }
+    // A vertex whose faces cancel, or without a face, has no direction of its own: any unit vector keeps the promise.
+    sums.into_iter().map(|n| n.normalize_or(Vec3::Z)).collect()
+}
+
+/// Turns triangles so that they face as their vertex normals do; vertices with a normal of length zero take a face's.
+fn agree_with_normals(mesh: &mut Mesh) {
+    let Mesh { triangles, positions, normals, .. } = mesh;
+    for t in triangles {
+        let face = area_vector(positions, t).normalize_or_zero().as_vec3();
+        let sum: Vec3 = t.iter().map(|&i| normals[i as usize]).sum();
+        let face = if face.dot(sum) < 0.0 {
+            t.swap(1, 2);
+            -face
+        } else {
+            face
+        };
+        for &i in t.iter() {
+            if normals[i as usize] == Vec3::ZERO {
+                normals[i as usize] = face;
+            }
+        }
+    }
+    normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
+}
