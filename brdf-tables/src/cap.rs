@@ -48,6 +48,11 @@ impl Cap {
         Self::new(theta, phi, 2.0 * TAU * (0.5 * sigma).sin().powi(2))
     }
 
+    /// The cap around a unit vector that is known to lie in the upper hemisphere, Ω in (0, 2π].
+    pub(crate) fn around(axis: DVec3, solid_angle: f64) -> Self {
+        Self { axis: axis.normalize(), solid_angle: solid_angle.min(TAU) }
+    }
+
     /// Unit axis.
     pub fn axis(&self) -> DVec3 {
         self.axis
@@ -108,8 +113,11 @@ pub fn projected_solid_angle<T: Real>(cz: T, height: T) -> T {
     let (zero, one) = (cz.lit(0.0), cz.lit(1.0));
     let sin2_r = height * (cz.lit(2.0) - height);
     let whole = cz.lit(PI) * sin2_r * cz;
-    let sin2_t = (one - cz * cz).max(cz.lit(1e-12));
     let chord2 = sin2_r - cz * cz;
+    if !T::any(zero.lt(chord2)) {
+        return whole;
+    }
+    let sin2_t = (one - cz * cz).max(cz.lit(1e-12));
     let sin_p = (chord2.max(zero) / sin2_t).min(one).sqrt();
     let cos_p = (one - height) / sin2_t.sqrt();
     let phi = sin_p.asin();

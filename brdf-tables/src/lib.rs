@@ -10,3 +10,4 @@ pub mod material;
 pub mod mean;
 pub mod quadrature;
 pub mod real;
+pub mod zonal;

@@ -1,0 +1,90 @@
+//! Many caps as a structure of arrays, padded to whole vectors.
+
+use crate::cap::Cap;
+use crate::real::LANES;
+use glam::Vec3;
+
+/// Caps in the local frame of one shading point: axis components and height 1 − cos σ = Ω/2π, each in an array of its own.
+#[derive(Clone, Debug, Default)]
+pub struct CapBatch {
+    pub(crate) axis: [Vec<f32>; 3],
+    pub(crate) height: Vec<f32>,
+    len: usize,
+}
+
+impl CapBatch {
+    /// Room for `caps` caps.
+    pub fn with_capacity(caps: usize) -> Self {
+        let mut batch = Self::default();
+        for column in batch.axis.iter_mut().chain([&mut batch.height]) {
+            column.reserve(caps.next_multiple_of(LANES));
+        }
+        batch
+    }
+
+    /// Caps held.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Forgets the caps, keeps the memory.
+    pub fn clear(&mut self) {
+        for column in self.axis.iter_mut().chain([&mut self.height]) {
+            column.clear();
+        }
+        self.len = 0;
+    }
+
+    /// Adds a cap around the unit vector `axis` (z ≥ 0) with solid angle Ω in sr. Values outside the domain are moved
+    /// to its edge, so that a look-up never meets one.
+    pub fn push(&mut self, axis: Vec3, solid_angle: f32) {
+        let height = (solid_angle * (0.5 / core::f32::consts::PI)).clamp(MIN_HEIGHT, 1.0);
+        let values = [axis.x, axis.y, axis.z.max(0.0), height];
+        let columns = self.axis.iter_mut().chain([&mut self.height]);
+        for ((column, value), pad) in columns.zip(values).zip([0.0, 0.0, 1.0, 0.5]) {
+            if self.len.is_multiple_of(LANES) {
+                column.resize(self.len + LANES, pad);
+            }
+            column[self.len] = value;
+        }
+        self.len += 1;
+    }
+
+    /// Axis and solid angle of cap `i`.
+    pub fn get(&self, i: usize) -> (Vec3, f32) {
+        let axis = Vec3::new(self.axis[0][i], self.axis[1][i], self.axis[2][i]);
+        (axis, self.height[i] * core::f32::consts::TAU)
+    }
+
+    /// Cap `i` in f64.
+    pub(crate) fn cap(&self, i: usize) -> Cap {
+        let (axis, solid_angle) = self.get(i);
+        Cap::around(axis.as_dvec3(), f64::from(solid_angle))
+    }
+
+    /// The lanes `[start, start + LANES)`.
+    pub(crate) fn lanes(&self, start: usize) -> [&[f32; LANES]; 4] {
+        let [x, y, z] = &self.axis;
+        [x, y, z, &self.height].map(|column| {
+            column[start..start + LANES].first_chunk().expect("columns are padded to whole vectors")
+        })
+    }
+}
+
+/// Below this height (Ω ≈ 6e-13 sr) the mean over the cap is the BRDF itself to f32 precision.
+pub(crate) const MIN_HEIGHT: f32 = 1e-13;
+
+impl<'a> FromIterator<&'a Cap> for CapBatch {
+    fn from_iter<I: IntoIterator<Item = &'a Cap>>(caps: I) -> Self {
+        let mut batch = Self::default();
+        for cap in caps {
+            batch.push(cap.axis().as_vec3(), cap.solid_angle() as f32);
+        }
+        batch
+    }
+}

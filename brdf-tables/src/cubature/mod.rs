@@ -1,0 +1,153 @@
+//! Cap cubature: the mean BRDF by a product rule that follows both the cap and the lobe seen from `wo`.
+//!
+//! Directions are written in the frame of `wo` (azimuth 0, so `wo` = (sinθo, 0, cosθo)) with the pole on the y axis:
+//! wi = (cos b sin a, sin b, cos b cos a). In these coordinates
+//! - the horizon is |a| = π/2, a straight cut, so caps that cross it need nothing special;
+//! - the cap meets the meridian a in one interval of q = sin b, in closed form, and dω = da dq;
+//! - a specular lobe sits at a = −θo, q = 0, with a width in q that shrinks with cosθo (the elongation of highlights).
+//!
+//! Both variables pass through an algebraic map, x = κ s/(1 − s²), whose κ is the width of the lobe there: a rule of n
+//! points then resolves the cap when it is smaller than the lobe, the lobe when it is smaller than the cap, and the
+//! tails of both. The outer variable is sin(a − a_cap) = sinρ sin τ first, which removes the square root at the rim.
+
+mod footprint;
+
+mod table;
+
+pub use footprint::Footprint;
+pub use table::{Cubature, ORDERS};
+
+use crate::brdf::Formula;
+use crate::real::Real;
+use core::f64::consts::FRAC_PI_2;
+
+/// An interval mapped through x = κ s/(1 − s²): midpoint and half length in s.
+struct Mapped<T> {
+    middle: T,
+    half: T,
+    kappa: T,
+}
+
+impl<T: Real> Mapped<T> {
+    /// The interval [lo, lo + length] relative to the centre of the map. `length` is separate so that the shortest
+    /// intervals keep their digits: with w = √(κ² + 4x²), s = 2x/(κ + w), and the difference of two s is written without
+    /// cancellation.
+    #[inline(always)]
+    fn new(lo: T, length: T, kappa: T) -> Self {
+        let (hi, k2, four) = (lo + length, kappa.sq(), lo.lit(4.0));
+        let (w0, w1) = ((k2 + four * lo.sq()).sqrt(), (k2 + four * hi.sq()).sqrt());
+        let (d0, d1) = ((kappa + w0).recip(), (kappa + w1).recip());
+        let half = length * (kappa + w0 - four * lo * (lo + hi) * (w0 + w1).recip()) * (d0 * d1);
+        Self { middle: (lo + lo) * d0 + half, half: half.max(lo.lit(0.0)), kappa }
+    }
+
+    /// Value and Jacobian at the node `x` ∈ [−1, 1] of a rule.
+    #[inline(always)]
+    fn at(&self, x: T::Scalar) -> (T, T) {
+        let s = self.half.mul_add(self.half.fill(x), self.middle);
+        let s2 = s.sq();
+        let r = (s.lit(1.0) - s2).max(s.lit(1e-6)).recip();
+        let kr = self.kappa * r;
+        (kr * s, kr * r * self.half * (s.lit(1.0) + s2))
+    }
+}
+
+/// ∫ f_r(wi, wo) cosθi dwi over the part of the cap above the horizon: the numerator of eq. 9.
+///
+/// `axis` is the cap axis in the frame of `wo`, `height` = 1 − cos σ, `rotation` = (cos, sin) of the azimuth of `wo`,
+/// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one.
+#[inline(always)]
+pub fn numerator<T: Real, F: Formula>(
+    formula: &F,
+    lobe: &Footprint,
+    rotation: (f64, f64),
+    axis: [T; 3],
+    height: T,
+    (outer, inner): (&[(T::Scalar, T::Scalar)], &[(T::Scalar, T::Scalar)]),
+) -> T {
+    let one = height.lit(1.0);
+    let (zero, tiny) = (one.lit(0.0), one.lit(1e-12));
+    // Back to the surface frame, which matters to an anisotropic model only (the others come with the identity).
+    let turn = rotation != (1.0, 0.0);
+    let (cos_p, sin_p) = (one.lit(rotation.0), one.lit(rotation.1));
+    let turned = |[x, y, z]: [T; 3]| if turn { [x * cos_p - y * sin_p, x * sin_p + y * cos_p, z] } else { [x, y, z] };
+    let wo = turned([one.lit(lobe.sin_o), zero, one.lit(lobe.cos_o)]);
+
+    // The cap: its meridian a_cap, and sinρ, the half width in a.
+    let cos_r = one - height;
+    let sin2_r = height * (one.lit(2.0) - height);
+    let sin_r = sin2_r.sqrt();
+    let in_plane2 = (axis[0].sq() + axis[2].sq()).max(tiny);
+    let in_plane = in_plane2.sqrt();
+    let over_plane = in_plane.recip();
+    let (sin_c, cos_c) = (axis[0] * over_plane, axis[2] * over_plane);
+    let has_pole = in_plane.lt(sin_r);
+    let any_pole = T::any(has_pole);
+    let sin_rho = T::select(has_pole, one, (sin_r * over_plane).min(one));
+
+    // τ range: the horizon cuts the side the cap leans to (both sides when the cap holds the pole, where τ = a − a_cap).
+    let quarter = one.lit(FRAC_PI_2);
+    let (mut lo, mut hi) = (-quarter, quarter);
+    let over_rho = sin_rho.recip();
+    if any_pole || T::any(cos_c.lt(sin_rho)) {
+        let cut = (cos_c * over_rho).min(one).asin();
+        let leans_right = zero.lt(sin_c);
+        let a_cap = sin_c.asin();
+        hi = T::select(has_pole, quarter - a_cap, T::select(leans_right, cut, quarter));
+        lo = T::select(has_pole, -quarter - a_cap, T::select(leans_right, -quarter, -cut));
+    }
+
+    // The lobe in τ: its centre, or the nearest rim, and its width there.
+    let sin_d = one.lit(lobe.sin_peak) * cos_c - one.lit(lobe.cos_peak) * sin_c;
+    let excess = (sin_d.abs() - sin_rho).max(zero);
+    let reach = (one.lit(lobe.width_a * lobe.width_a) + excess.sq()).sqrt() * over_rho;
+    let clamped = (sin_d * over_rho).clamp(-one, one);
+    let centre = clamped.asin();
+    let kappa = reach * (one - clamped.sq() + reach).sqrt().recip();
+    let tau_map = Mapped::new(lo - centre, hi - lo, kappa);
+
+    let mut sum = zero;
+    for &(node, weight) in outer {
+        let (offset, jacobian) = tau_map.at(node);
+        let (sin_t, cos_t) = (centre + offset).sin_cos();
+        // d = a − a_cap
+        let x = sin_rho * sin_t;
+        let cos2 = (one - x.sq()).max(tiny);
+        let root = cos2.sqrt();
+        let cos_d = T::select(has_pole, cos_t, root);
+        let jacobian = jacobian * T::select(has_pole, one, sin_rho * cos_t * root.recip());
+        let sin_a = sin_c * cos_d + cos_c * x;
+        let cos_a = (cos_c * cos_d - sin_c * x).max(zero);
+
+        // The interval of q = sin b on this meridian: b₀ ± β with (p, axis.y) = R (cos b₀, sin b₀), cos β = cosσ / R.
+        let p = in_plane * cos_d;
+        let r2 = (p.sq() + axis[1].sq()).max(tiny);
+        let root = T::select(has_pole, (sin2_r - in_plane.sq() * x.sq()).max(zero).sqrt(), sin_r * cos_t);
+        // R² sin(b₀ ± β) and R² cos(b₀ ± β); past a pole of the frame the interval ends at the pole.
+        let inverse = r2.recip();
+        let (mid, half) = (axis[1] * cos_r * inverse, p * root * inverse);
+        let (mut q_lo, mut length) = (mid - half, half + half);
+        if any_pole {
+            let (mid_c, half_c) = (p * cos_r, axis[1] * root);
+            let q_hi = T::select((mid_c - half_c).lt(zero), one, mid + half);
+            q_lo = T::select((mid_c + half_c).lt(zero), -one, q_lo);
+            length = T::select(has_pole, q_hi - q_lo, length);
+        }
+
+        let along = sin_a - one.lit(lobe.sin_peak);
+        let scale = one.lit(lobe.h0) + one.lit(lobe.h1) * cos_a;
+        let ridge = one.lit(lobe.tilt) * along;
+        let kappa_q = (one.lit(lobe.k0) * scale.sq() + one.lit(lobe.k1) * along.sq()).max(tiny).sqrt();
+        let q_map = Mapped::new(q_lo - ridge, length, kappa_q);
+        let mut row = zero;
+        for &(node, weight) in inner {
+            let (offset, jacobian) = q_map.at(node);
+            let q = ridge + offset;
+            let cos_b = (one - q.sq()).max(tiny).sqrt();
+            let wi = [cos_b * sin_a, q, cos_b * cos_a];
+            row = (jacobian * one.fill(weight) * wi[2]).mul_add(formula.f(turned(wi), wo), row);
+        }
+        sum = (jacobian * one.fill(weight)).mul_add(row, sum);
+    }
+    sum.max(zero)
+}

@@ -1,0 +1,238 @@
+//! The cubature as a table: the order of the rule per cell of (θe, φe, Ω), chosen by the fitter as the least that meets
+//! the tolerance there.
+
+use super::{Footprint, numerator};
+use crate::axis::Axes;
+use crate::batch::{CapBatch, MIN_HEIGHT};
+use crate::brdf::{Brdf, Formula, Specular, Visitor};
+use crate::cap::{Cap, projected_solid_angle};
+use crate::gauss::gauss_legendre;
+use crate::mean::MeanBrdf;
+use crate::real::{LANES, Real};
+use core::f64::consts::FRAC_PI_2;
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use glam::{DVec3, Vec3};
+use std::sync::OnceLock;
+
+/// Orders a cell may ask for, in both directions; a table stores indices into this list.
+pub const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
+
+/// The Gauss–Legendre rule of order `ORDERS[index]`, in f64 and in f32.
+fn rule(index: usize) -> &'static (Vec<(f64, f64)>, Vec<(f32, f32)>) {
+    type Rule = (Vec<(f64, f64)>, Vec<(f32, f32)>);
+    static RULES: OnceLock<Vec<Rule>> = OnceLock::new();
+    let build = |&n| {
+        let rule = gauss_legendre(n);
+        let single = rule.iter().map(|&(x, w)| (x as f32, w as f32)).collect();
+        (rule, single)
+    };
+    &RULES.get_or_init(|| ORDERS.iter().map(build).collect())[index]
+}
+
+/// Cap cubature of the model itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cubature {
+    specular: Specular,
+    isotropic: bool,
+    axes: Axes,
+    /// Order index per interval of the grid: the largest over its corners.
+    intervals: Vec<u8>,
+}
+
+impl Cubature {
+    /// From the order index of every node of `axes`; `None` when an index or the count is wrong.
+    pub fn new(specular: Specular, axes: Axes, nodes: &[u8]) -> Option<Self> {
+        if nodes.len() != axes.len() || nodes.iter().any(|&i| usize::from(i) >= ORDERS.len()) {
+            return None;
+        }
+        let (nt, np, no) = (axes.theta as usize, axes.phi as usize, axes.omega as usize);
+        // The azimuth is left out of the look-up: an interval takes the largest order over it.
+        let mut intervals = vec![0; (nt - 1) * (no - 1)];
+        for t in 0..nt - 1 {
+            for o in 0..no - 1 {
+                let corners = (0..np).flat_map(|p| [(t, p, o), (t + 1, p, o), (t, p, o + 1), (t + 1, p, o + 1)]);
+                intervals[t * (no - 1) + o] = corners.map(|(t, p, o)| nodes[axes.index(t, p, o)]).max().unwrap_or(0);
+            }
+        }
+        Some(Self { specular, isotropic: specular.is_isotropic(), axes, intervals })
+    }
+
+    /// One order (an index into [`ORDERS`]) everywhere.
+    pub fn uniform(specular: Specular, order: u8) -> Option<Self> {
+        Self::new(specular, Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0 }, &[order; 4])
+    }
+
+    /// The means over the caps listed in `picked`, seen from `wo`, by the largest order of the table, handed to `store` with
+    /// their index: for a caller that has sorted out the few caps its own method cannot do.
+    #[inline(always)]
+    pub(crate) fn values_at<S: Simd>(
+        &self,
+        simd: S,
+        caps: &CapBatch,
+        picked: &[u32],
+        wo: Vec3,
+        store: impl FnMut(usize, f32),
+    ) {
+        struct Run<'a, S, F>(S, &'a Cubature, &'a CapBatch, &'a [u32], DVec3, F);
+        impl<S: Simd, F: FnMut(usize, f32)> Visitor for Run<'_, S, F> {
+            type Output = ();
+            #[inline(always)]
+            fn visit<M: Brdf + Formula>(mut self, model: &M) {
+                let order = usize::from(self.1.intervals.iter().copied().max().unwrap_or(0));
+                let view = View::new(self.1, self.4);
+                picked_caps(self.0, model, &view, order, self.2, self.3, &mut self.5);
+            }
+        }
+        if !picked.is_empty() {
+            self.specular.visit(Run(simd, self, caps, picked, wo.as_dvec3(), store));
+        }
+    }
+
+    fn order(&self, theta: f64, omega: f64) -> u8 {
+        let (t, o) = (self.axes.theta_place(theta).index, self.axes.omega_place(omega).index);
+        self.intervals[t * (self.axes.omega as usize - 1) + o]
+    }
+
+    /// The order index of sixteen caps at once.
+    #[inline(always)]
+    fn orders<S: Simd>(&self, simd: S, cz: &[f32; LANES], height: &[f32; LANES]) -> [u8; LANES] {
+        let (cz, height) = (f32x16::load_array_ref(simd, cz), f32x16::load_array_ref(simd, height));
+        let (nt, no) = (self.axes.theta - 1, self.axes.omega - 1);
+        let theta = (cz.lit(FRAC_PI_2) - Real::asin(Real::min(cz, cz.lit(1.0)))) * cz.lit(f64::from(nt) / FRAC_PI_2);
+        // n Ω/4π = n h/2
+        let tau = (height * cz.lit(0.5 * self.axes.sharpness) + 1.0).log2()
+            * cz.lit(f64::from(no) / (1.0 + 0.5 * self.axes.sharpness).log2());
+        let t = Real::floor(Real::min(theta, cz.lit(f64::from(nt - 1))));
+        let o = Real::floor(Real::min(tau, cz.lit(f64::from(no - 1))));
+        let index = Real::max(t * cz.lit(f64::from(no)) + o, cz.lit(0.0)).to_array();
+        core::array::from_fn(|i| self.intervals[(index[i] as usize).min(self.intervals.len() - 1)])
+    }
+}
+
+/// Caps sorted by order at a time; fixed, so that sorting needs no allocation.
+const CHUNK: usize = 256;
+
+impl MeanBrdf for Cubature {
+    fn name(&self) -> &'static str {
+        "cubature"
+    }
+
+    fn value(&self, cap: &Cap, wo: DVec3) -> f64 {
+        struct Run<'a>(&'a Cubature, &'a Cap, DVec3);
+        impl Visitor for Run<'_> {
+            type Output = f64;
+            fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
+                let Run(table, cap, wo) = self;
+                let view = View::new(table, wo);
+                let (rule, _) = rule(usize::from(table.order(cap.theta(), cap.solid_angle())));
+                let axis = into_frame(cap.axis().to_array(), view.rotation);
+                let height = cap.height().max(f64::from(MIN_HEIGHT));
+                let sum = numerator(model, &view.lobe, view.turn, axis, height, (rule, rule));
+                sum / projected_solid_angle(axis[2], height)
+            }
+        }
+        if wo.z <= 0.0 {
+            return 0.0;
+        }
+        self.specular.visit(Run(self, cap, wo))
+    }
+
+    fn values(&self, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+        struct Run<'a>(&'a Cubature, &'a CapBatch, DVec3, &'a mut [f32]);
+        impl Visitor for Run<'_> {
+            type Output = ();
+            fn visit<M: Brdf + Formula>(self, model: &M) {
+                let Run(table, caps, wo, out) = self;
+                dispatch!(Level::new(), simd => batch(simd, table, model, caps, wo, out));
+            }
+        }
+        let out = &mut out[..caps.len()];
+        if wo.z <= 0.0 {
+            return out.fill(0.0);
+        }
+        self.specular.visit(Run(self, caps, wo.as_dvec3(), out));
+    }
+}
+
+/// A direction of the surface frame in the frame of `wo`.
+#[inline(always)]
+fn into_frame<T: Real>([x, y, z]: [T; 3], (c, s): (f64, f64)) -> [T; 3] {
+    [x * x.lit(c) + y * x.lit(s), y * x.lit(c) - x * x.lit(s), z]
+}
+
+#[inline(always)]
+fn batch<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBatch, wo: DVec3, out: &mut [f32]) {
+    let view = View::new(table, wo);
+    for start in (0..caps.len()).step_by(CHUNK) {
+        let count = CHUNK.min(caps.len() - start);
+        let mut orders = [0u8; CHUNK];
+        let mut present = 0u32;
+        for block in (0..count).step_by(LANES) {
+            let [_, _, cz, height] = caps.lanes(start + block);
+            orders[block..block + LANES].copy_from_slice(&table.orders(simd, cz, height));
+        }
+        for &order in &orders[..count] {
+            present |= 1 << order;
+        }
+        // Caps of one order together, sixteen at a time.
+        let mut picked = [0u32; CHUNK];
+        for order in (0..ORDERS.len()).filter(|o| present >> o & 1 == 1) {
+            let mut filled = 0;
+            for (i, _) in orders[..count].iter().enumerate().filter(|(_, o)| usize::from(**o) == order) {
+                picked[filled] = (start + i) as u32;
+                filled += 1;
+            }
+            picked_caps(simd, model, &view, order, caps, &picked[..filled], &mut |i, value| out[i] = value);
+        }
+    }
+}
+
+/// What depends on `wo` alone: the lobe's footprint, the rotation into the frame of `wo`, and the one back.
+struct View {
+    lobe: Footprint,
+    rotation: (f64, f64),
+    turn: (f64, f64),
+}
+
+impl View {
+    fn new(table: &Cubature, wo: DVec3) -> Self {
+        let (lobe, rotation) = Footprint::new(&table.specular, wo);
+        let turn = if table.isotropic { (1.0, 0.0) } else { rotation };
+        Self { lobe, rotation, turn }
+    }
+}
+
+/// The means over the caps listed in `picked`, by the rule of one order, handed to `store` with their index.
+#[inline(always)]
+fn picked_caps<S: Simd, M: Formula>(
+    simd: S,
+    model: &M,
+    view: &View,
+    order: usize,
+    caps: &CapBatch,
+    picked: &[u32],
+    store: &mut impl FnMut(usize, f32),
+) {
+    let (_, rule) = rule(order);
+    for block in picked.chunks(LANES) {
+        let mut lanes = [[0f32; LANES]; 4];
+        for k in 0..LANES {
+            // Lanes to spare repeat the last cap.
+            let i = block[k.min(block.len() - 1)] as usize;
+            lanes[0][k] = caps.axis[0][i];
+            lanes[1][k] = caps.axis[1][i];
+            lanes[2][k] = caps.axis[2][i];
+            lanes[3][k] = caps.height[i];
+        }
+        let [x, y, z, height] = lanes.map(|lane| f32x16::load_array(simd, lane));
+        let axis = into_frame([x, y, z], view.rotation);
+        let sum = simd.vectorize(
+            #[inline(always)]
+            || numerator(model, &view.lobe, view.turn, axis, height, (rule, rule)),
+        );
+        let values = (sum / projected_solid_angle(axis[2], height)).to_array();
+        for (&i, value) in block.iter().zip(values) {
+            store(i as usize, value);
+        }
+    }
+}

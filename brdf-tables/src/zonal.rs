@@ -1,0 +1,223 @@
+//! The zonal table: exact for every lobe that is radial about the mirror direction (modified Phong).
+//!
+//! With m the mirror of wi and δ the angle between `wo` and the mirrored cap axis, ∫ g(m·wo) m dm over a cap lies in the
+//! plane of the axis and `wo`, so two functions of (δ, σ) give the mean for every θe and every `wo`:
+//!
+//!   ∫ f_r cosθi dwi = A (1 − cosⁿ⁺²σ) [T_P cosθe + T_R (cosθo − cosθe cos δ)],   A = 2πa/(n+2) for f_r = a cosⁿα.
+//!
+//! T_P and T_R, normalised by the value of P at δ = 0, are tabulated over two coordinates that follow the cap's edge.
+//! Nothing is fitted: the only errors are those of bilinear interpolation and of 16-bit storage.
+
+use crate::batch::{CapBatch, MIN_HEIGHT};
+use crate::brdf::Specular;
+use crate::cap::{Cap, projected_solid_angle};
+use crate::cubature::Cubature;
+use crate::mean::MeanBrdf;
+use crate::real::{LANES, Real};
+use core::f64::consts::PI;
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use glam::{DVec3, Vec3};
+
+/// Reach of the table beyond the edge of the cap, in lobe widths 1/√n: the lobe is e⁻¹⁵ there.
+const REACH: f64 = 5.5;
+/// Cubature order index for caps that cross the horizon, where the zonal form does not hold.
+const CLIPPED_ORDER: u8 = 6;
+
+/// Tabulated (T_P, T_R) over (u, v): u follows the cap's radius, v the distance to its edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zonal {
+    amplitude: f64,
+    exponent: f64,
+    columns: usize,
+    rows: usize,
+    /// Row by row in u; T_P in the low 16 bits and T_R in the high ones.
+    cells: Vec<u32>,
+    /// T = offset + step · bits, for T_P and T_R.
+    scale: [[f64; 2]; 2],
+    clipped: Cubature,
+}
+
+/// Grid coordinates of the zonal table, shared by the builder and the look-up: S = 2√m sin(σ/2) and s = 2√m sin(δ/2)
+/// measure the cap's radius and the distance from its axis in lobe widths.
+#[derive(Clone, Copy, Debug)]
+pub struct ZonalAxes {
+    /// m = max(n, 1).
+    pub sharpness: f64,
+}
+
+impl ZonalAxes {
+    /// The axes for a lobe of exponent `n`.
+    pub fn new(exponent: f64) -> Self {
+        Self { sharpness: exponent.max(1.0) }
+    }
+
+    /// S of a cap of height h = 1 − cos σ.
+    #[inline(always)]
+    fn radius<T: Real>(&self, height: T) -> T {
+        (height * height.lit(2.0 * self.sharpness)).sqrt()
+    }
+
+    /// u ∈ [0, 1] from S: S/(S + 3) over its value at σ = π/2.
+    #[inline(always)]
+    fn u<T: Real>(&self, s: T) -> T {
+        let top = (2.0 * self.sharpness).sqrt();
+        s / (s + s.lit(3.0)) * s.lit((top + 3.0) / top)
+    }
+
+    /// A sigmoid of slope 1 at 0: x/√(1 + x²/4).
+    #[inline(always)]
+    fn edge<T: Real>(x: T) -> T {
+        x / (x.sq() * x.lit(0.25) + x.lit(1.0)).sqrt()
+    }
+
+    /// Distance beyond the edge at v = 1.
+    #[inline(always)]
+    fn reach<T: Real>(&self, radius: T) -> T {
+        (radius.lit(2.0 * self.sharpness.sqrt()) - radius).min(radius.lit(REACH))
+    }
+
+    /// v ≥ 0 from s and S; 1 where the table ends.
+    #[inline(always)]
+    fn v<T: Real>(&self, s: T, radius: T) -> T {
+        let origin = Self::edge(radius);
+        (Self::edge(s - radius) + origin) / (Self::edge(self.reach(radius)) + origin)
+    }
+
+    /// (σ, δ) in radian at the grid coordinates (u, v): the inverse the builder needs.
+    pub fn angles(&self, u: f64, v: f64) -> (f64, f64) {
+        let top = (2.0 * self.sharpness).sqrt();
+        let x = u * top / (top + 3.0);
+        let radius = (3.0 * x / (1.0 - x)).min(top);
+        let origin = Self::edge(radius);
+        let e = v * (Self::edge(self.reach(radius)) + origin) - origin;
+        let s = (radius + e / (1.0 - 0.25 * e * e).sqrt()).max(0.0);
+        let half = 0.5 / self.sharpness.sqrt();
+        (2.0 * (half * radius).min(1.0).asin(), 2.0 * (half * s).min(1.0).asin())
+    }
+}
+
+impl Zonal {
+    /// A table of `rows` × `columns` pairs (T_P, T_R), row by row in u, for a radial specular model; `None` where the model
+    /// is not radial or the sizes do not fit.
+    pub fn new(specular: Specular, rows: usize, columns: usize, cells: Vec<u32>, scale: [[f64; 2]; 2]) -> Option<Self> {
+        let (amplitude, exponent) = specular.radial_exponent()?;
+        let fits = rows >= 2 && columns >= 2 && rows.checked_mul(columns) == Some(cells.len());
+        if !fits || scale.iter().flatten().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let clipped = Cubature::uniform(specular, CLIPPED_ORDER)?;
+        Some(Self { amplitude, exponent, columns, rows, cells, scale, clipped })
+    }
+
+    /// Rows (u), columns (v), the packed pairs and their scale, as [`Zonal::new`] takes them.
+    pub fn parts(&self) -> (usize, usize, &[u32], [[f64; 2]; 2]) {
+        (self.rows, self.columns, &self.cells, self.scale)
+    }
+
+    /// Numerator of eq. 9 for whole caps, over any [`Real`].
+    #[inline(always)]
+    fn numerator<T: Real>(&self, axis: [T; 3], height: T, wo: [T; 3]) -> T {
+        let one = height.lit(1.0);
+        let axes = ZonalAxes::new(self.exponent);
+        // |wo − m|² = 2(1 − cos δ), exact for small δ.
+        let d2 = (wo[0] + axis[0]).sq() + (wo[1] + axis[1]).sq() + (wo[2] - axis[2]).sq();
+        let radius = axes.radius(height);
+        let s = (d2 * one.lit(axes.sharpness)).sqrt();
+        let v = axes.v(s, radius);
+        // Bilinear look-up; beyond v = 1 nothing is left of the lobe.
+        let (rows, columns) = (one.lit((self.rows - 1) as f64), one.lit((self.columns - 1) as f64));
+        let (gu, gv) = ((axes.u(radius) * rows).min(rows), (v * columns).clamp(one.lit(0.0), columns));
+        let (iu, iv) = (gu.floor().min(rows - one), gv.floor().min(columns - one));
+        let (fu, fv) = (gu - iu, gv - iv);
+        let index = iu.mul_add(one.lit(self.columns as f64), iv);
+        let corner = |offset: usize| T::fetch_pair(index, &self.cells[offset..]);
+        let (p00, r00) = corner(0);
+        let (p01, r01) = corner(1);
+        let (p10, r10) = corner(self.columns);
+        let (p11, r11) = corner(self.columns + 1);
+        let blend = |a: T, b: T, c: T, d: T, [offset, step]: [f64; 2]| {
+            let low = (b - a).mul_add(fv, a);
+            let high = (d - c).mul_add(fv, c);
+            (high - low).mul_add(fu, low).mul_add(one.lit(step), one.lit(offset))
+        };
+        let tp = blend(p00, p01, p10, p11, self.scale[0]);
+        let tr = blend(r00, r01, r10, r11, self.scale[1]);
+
+        let cos_delta = one - d2 * one.lit(0.5);
+        let sum = tp * axis[2] + tr * (wo[2] - axis[2] * cos_delta);
+        let strength = one.lit(2.0 * PI * self.amplitude / (self.exponent + 2.0));
+        let value = (strength * self.filled(height) * sum).max(one.lit(0.0));
+        T::select(one.lt(v), one.lit(0.0), value)
+    }
+
+    /// 1 − cosⁿ⁺² σ for h = 1 − cos σ, by series where the direct form would cancel.
+    #[inline(always)]
+    fn filled<T: Real>(&self, h: T) -> T {
+        let k = h.lit(self.exponent + 2.0);
+        let series = -h * (h.lit(1.0) + h * (h.lit(0.5) + h * (h.lit(1.0 / 3.0) + h * h.lit(0.25))));
+        let direct = (h.lit(1.0) - h).max(h.lit(1e-30)).log2() * h.lit(core::f64::consts::LN_2);
+        let x = k * T::select(h.lt(h.lit(0.05)), series, direct);
+        let small = -x * (h.lit(1.0) + x * (h.lit(0.5) + x * (h.lit(1.0 / 6.0) + x * h.lit(1.0 / 24.0))));
+        T::select((-x).lt(h.lit(0.05)), small, h.lit(1.0) - x.exp())
+    }
+}
+
+/// Whether a cap crosses the horizon: sin²σ > cos²θe.
+#[inline(always)]
+fn crosses<T: Real>(cz: T, height: T) -> T::Mask {
+    cz.sq().lt(height * (cz.lit(2.0) - height))
+}
+
+impl MeanBrdf for Zonal {
+    fn name(&self) -> &'static str {
+        "zonal"
+    }
+
+    fn value(&self, cap: &Cap, wo: DVec3) -> f64 {
+        let (axis, height) = (cap.axis().to_array(), cap.height().max(f64::from(MIN_HEIGHT)));
+        if wo.z <= 0.0 {
+            return 0.0;
+        }
+        if crosses(axis[2], height) {
+            return self.clipped.value(cap, wo);
+        }
+        self.numerator(axis, height, wo.to_array()) / projected_solid_angle(axis[2], height)
+    }
+
+    fn values(&self, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+        let out = &mut out[..caps.len()];
+        if wo.z <= 0.0 {
+            return out.fill(0.0);
+        }
+        dispatch!(Level::new(), simd => batch(simd, self, caps, wo, out));
+    }
+}
+
+/// Caps looked up between two visits to the clipped ones; fixed, so that collecting those needs no allocation.
+const CHUNK: usize = 256;
+
+#[inline(always)]
+fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+    let direction = wo.to_array().map(|x| f32x16::splat(simd, x));
+    for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
+        let mut clipped = [0u32; CHUNK];
+        let mut count = 0;
+        for (block, out) in out.chunks_mut(LANES).enumerate() {
+            let start = chunk * CHUNK + block * LANES;
+            let [x, y, z, height] = caps.lanes(start).map(|lanes| f32x16::load_array_ref(simd, lanes));
+            // The denominator of a whole cap; the clipped ones are done again below.
+            let area = Real::max(height * (-height + 2.0) * z * core::f32::consts::PI, z.lit(1e-30));
+            let value = table.numerator([x, y, z], height, direction) / area;
+            out.copy_from_slice(&value.to_array()[..out.len()]);
+            let crossing = crosses(z, height);
+            if crossing.any_true() {
+                let flags = Real::select(crossing, z.lit(1.0), z.lit(0.0)).to_array();
+                for (i, _) in flags[..out.len()].iter().enumerate().filter(|(_, flag)| **flag > 0.0) {
+                    clipped[count] = (start + i) as u32;
+                    count += 1;
+                }
+            }
+        }
+        table.clipped.values_at(simd, caps, &clipped[..count], wo, |i, value| out[i - chunk * CHUNK] = value);
+    }
+}
