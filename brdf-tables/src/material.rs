@@ -1,12 +1,16 @@
 //! A material: a Lambertian part, which needs no table, and a specular part at unit strength, coloured at run time.
 
+mod error;
+
 use crate::brdf::{Brdf, Key, Model, Presence, Specular, Value, Values};
 use core::f64::consts::FRAC_1_PI;
 use core::fmt;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// f_r = kd/π + ks · specular · tint, per channel.
+pub use error::MaterialError;
+
+/// f_r = kd/π + ks · specular · tint, per channel. Decoding one does not check it: call [`Material::validate`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
@@ -16,80 +20,6 @@ pub struct Material {
     pub ks: [f64; 3],
     /// Specular part.
     pub specular: Option<Specular>,
-}
-
-/// Why a material is refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MaterialError {
-    /// A parameter is not a number of its range.
-    #[error("{key} is {value}, outside {min}..={max}")]
-    Range {
-        /// Parameter.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// Smallest allowed value.
-        min: f64,
-        /// Largest allowed value.
-        max: f64,
-    },
-    /// A parameter holds something else than it should.
-    #[error("{key} must be {expected}")]
-    Kind {
-        /// Parameter.
-        key: &'static str,
-        /// What it holds when right.
-        expected: String,
-    },
-    /// There is no such model.
-    #[error("unknown model {name:?}, expected one of {}", model_names().join(", "))]
-    Model {
-        /// The name given.
-        name: String,
-    },
-    /// A parameter without default is absent.
-    #[error("{key} is missing")]
-    Missing {
-        /// Parameter, or the alternatives.
-        key: &'static str,
-    },
-    /// Two parameters exclude each other.
-    #[error("{key} and {other} exclude each other")]
-    Conflict {
-        /// One parameter.
-        key: &'static str,
-        /// The other.
-        other: &'static str,
-    },
-    /// A Lafortune lobe that reaches further than single precision can follow.
-    #[error("{key}: lobe {lobe} exceeds 1e9 per steradian")]
-    Peak {
-        /// Parameter.
-        key: &'static str,
-        /// Which lobe, from 1.
-        lobe: usize,
-    },
-    /// More light leaves than arrives already at normal incidence.
-    #[error("the albedo at normal incidence is {albedo:.4} in channel {channel}: kd and ks are too large together")]
-    Energy {
-        /// `'r'`, `'g'` or `'b'`.
-        channel: char,
-        /// Albedo, more than 1.
-        albedo: f64,
-    },
-}
-
-impl MaterialError {
-    /// The recipe key to blame, if it is one.
-    pub fn key(&self) -> Option<&'static str> {
-        match *self {
-            Self::Range { key, .. } | Self::Kind { key, .. } | Self::Conflict { key, .. } | Self::Peak { key, .. } => {
-                Some(key)
-            }
-            Self::Model { .. } => Some("model"),
-            Self::Missing { .. } | Self::Energy { .. } => None,
-        }
-    }
 }
 
 /// Name of the model without specular part.
@@ -233,5 +163,51 @@ impl fmt::Display for Material {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::{ALL, MAX_LOBES};
+
+    fn config() -> impl bincode::config::Config {
+        bincode::config::standard().with_limit::<4096>()
+    }
+
+    #[test]
+    fn every_model_survives_bincode() {
+        for specular in ALL.iter().flat_map(|model| (model.examples)()) {
+            let material = Material { kd: [0.1, 0.0, 0.2], ks: [0.5, 0.6, 0.7], specular: Some(specular) };
+            let bytes = bincode::serde::encode_to_vec(material, config()).unwrap();
+            let (back, used) = bincode::serde::decode_from_slice::<Material, _>(&bytes, config()).unwrap();
+            assert_eq!((back, used), (material, bytes.len()));
+        }
+    }
+
+    /// Lobes are checked where they are decoded: no count or coefficient gets past [`crate::brdf::Lafortune::new`].
+    #[test]
+    fn bad_lobes_do_not_decode() {
+        let decode = |lobes: Vec<[f64; 4]>| {
+            let bytes = bincode::serde::encode_to_vec(lobes, config()).unwrap();
+            bincode::serde::decode_from_slice::<crate::brdf::Lafortune, _>(&bytes, config())
+        };
+        assert!(decode(vec![[-1.0, -1.0, 1.0, 9.0]; MAX_LOBES]).is_ok());
+        for bad in [vec![], vec![[-1.0, -1.0, 1.0, 9.0]; MAX_LOBES + 1], vec![[f64::NAN, 0.0, 0.0, 9.0]]] {
+            assert!(decode(bad).is_err());
+        }
+    }
+
+    #[test]
+    fn parts_add_up() {
+        let specular = (ALL[0].examples)()[0];
+        let material = Material { kd: [0.3, 0.2, 0.1], ks: [0.5, 0.0, 0.25], specular: Some(specular) };
+        let (wi, wo) = (crate::frame::spherical(0.4, 0.1), crate::frame::spherical(0.6, 2.9));
+        let strength = specular.eval(wi, wo);
+        for (c, f) in material.eval(wi, wo).into_iter().enumerate() {
+            assert!((f - (material.kd[c] * FRAC_1_PI + material.ks[c] * strength)).abs() < 1e-15);
+        }
+        assert_eq!(material.eval(-wi, wo), [0.0; 3]);
+        assert_eq!(Material::lambert([0.5; 3]).eval(wi, wo), [0.5 * FRAC_1_PI; 3]);
     }
 }

@@ -31,7 +31,7 @@ pub(super) const MODEL: Model = Model {
             &[[-1.0, -1.0, 1.0, 16.0]],
             &[[-1.05, -1.05, 0.95, 20.0]], // off-specular: brighter and nearer to the surface towards grazing
             &[[-1.0, -0.9, 1.0, 30.0]],    // anisotropic
-            &[[0.9, 0.9, 0.9, 8.0], [0.0, 0.0, 0.8, 2.0]], // retro-reflective, and diffuse without a mirror part
+            &[[0.9, 0.9, 0.9, 8.0], [0.0, 0.0, 0.5, 2.0]], // retro-reflective, and diffuse without a mirror part
             &[[-0.96, -0.96, 0.98, 16.0], [-1.018, -1.018, 1.018, 88.0], [-1.0125, -1.0125, 1.0125, 186.0]],
         ];
         lobes.iter().flat_map(|l| Lafortune::new(l)).map(Specular::Lafortune).collect()

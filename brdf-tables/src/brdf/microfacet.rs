@@ -198,7 +198,7 @@ impl Brdf for Microfacet {
     }
 
     fn pdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let Some(h) = half_vector(wi, wo) else { return 0.0 };
+        let Some((h, _)) = half_vector(wi, wo) else { return 0.0 };
         let (d, _) = self.d(Distribution::Ggx, h.to_array());
         d * self.g1_over_cos(Distribution::Ggx, wo.to_array()) * 0.25
     }

@@ -19,13 +19,12 @@ pub use phong::Phong;
 pub use specular::{Specular, Visitor};
 pub use ward::{Ward, WardVariant};
 
-/// Half vector of two directions of the upper hemisphere; `None` where one is below the horizon, or both graze from
-/// opposite sides and none exists.
-fn half_vector(wi: DVec3, wo: DVec3) -> Option<DVec3> {
-    if wi.z <= 0.0 || wo.z <= 0.0 {
-        return None;
-    }
-    (wi + wo).try_normalize()
+/// Half vector of two directions of the upper hemisphere and the cosine between it and either of them; `None` where one
+/// is below the horizon, or both graze from opposite sides and none exists.
+fn half_vector(wi: DVec3, wo: DVec3) -> Option<(DVec3, f64)> {
+    let sum = wi + wo;
+    let length = sum.length(); // twice the cosine, and unlike the dot product never negative by rounding
+    (wi.z > 0.0 && wo.z > 0.0 && length > 0.0).then(|| (sum / length, 0.5 * length))
 }
 
 /// Specular reflection model. Directions are unit vectors in the local frame (z = normal) that point away from the
