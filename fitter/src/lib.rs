@@ -1,1 +1,3 @@
 //! fitter
+pub mod recipe;
+pub mod solver;
