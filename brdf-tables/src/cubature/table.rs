@@ -35,6 +35,8 @@ pub struct Cubature {
     specular: Specular,
     isotropic: bool,
     axes: Axes,
+    /// Order index per node.
+    nodes: Vec<u8>,
     /// Order index per interval of the grid: the largest over its corners.
     intervals: Vec<u8>,
 }
@@ -54,7 +56,12 @@ impl Cubature {
                 intervals[t * (no - 1) + o] = corners.map(|(t, p, o)| nodes[axes.index(t, p, o)]).max().unwrap_or(0);
             }
         }
-        Some(Self { specular, isotropic: specular.is_isotropic(), axes, intervals })
+        Some(Self { specular, isotropic: specular.is_isotropic(), axes, nodes: nodes.to_vec(), intervals })
+    }
+
+    /// Grid and order index of every node, as [`Cubature::new`] takes them.
+    pub fn parts(&self) -> (Axes, &[u8]) {
+        (self.axes, &self.nodes)
     }
 
     /// One order (an index into [`ORDERS`]) everywhere.

@@ -1,0 +1,289 @@
+//! Bytes ↔ [`Table`]. The layout is public and documented in `tables/README.md`; all numbers are little-endian.
+//!
+//!   magic "BURNISH\n" · version u32 · header length u32 · header (bincode 2, serde, fixed integers, at most 64 KiB) ·
+//!   payload: one f32 sextuple per error cell, then the arrays of the representation · CRC-32 of all before it u32
+
+use crate::axis::Axes;
+use crate::cubature::Cubature;
+use crate::errors::Errors;
+use crate::lobes::{LOBE_SIZE, Lobes};
+use crate::paper::{Paper, RAW_SIZE};
+use crate::table::{CellInfo, Header, Representation, Table};
+use crate::zonal::Zonal;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// First eight bytes of a table; the line feed shows a file mangled by text-mode transfers.
+pub const MAGIC: [u8; 8] = *b"BURNISH\n";
+/// Version written; the only one read.
+pub const VERSION: u32 = 1;
+/// Longest header accepted, bytes.
+const MAX_HEADER: usize = 1 << 16;
+/// Largest file accepted, bytes: eight times the largest table the fitter makes.
+const MAX_FILE: u64 = 1 << 24;
+/// Most nodes of a grid.
+const MAX_NODES: usize = 1 << 16;
+/// Bytes per error cell: five errors and the support angle.
+const CELL: usize = 24;
+
+/// Why bytes are not a table.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// The file could not be read or written.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The magic number is wrong.
+    #[error("not a table (the first bytes are not BURNISH)")]
+    Magic,
+    /// The version is not the one this library reads.
+    #[error("table version {0}, this program reads version {VERSION}: fit it again")]
+    Version(u32),
+    /// The file ends early, or goes on after its end.
+    #[error("{what} needs {expected} bytes, the file has {found}")]
+    Length {
+        /// Which part.
+        what: &'static str,
+        /// Bytes it needs.
+        expected: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// The file is larger than any table.
+    #[error("larger than {MAX_FILE} bytes, no table is")]
+    TooLarge,
+    /// The checksum does not match.
+    #[error("damaged: checksum {found:08x} instead of {expected:08x}; copy or fit it again")]
+    Checksum {
+        /// In the file.
+        expected: u32,
+        /// Of its bytes.
+        found: u32,
+    },
+    /// A value in the header cannot be.
+    #[error("header: {0}")]
+    Header(String),
+    /// The numbers of the payload do not make the representation.
+    #[error("payload: {0}")]
+    Payload(&'static str),
+}
+
+/// Sizes of the representation, as the header stores them.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+enum Shape {
+    Diffuse,
+    Zonal { rows: u32, columns: u32, scale: [[f64; 2]; 2] },
+    Cubature { axes: Axes },
+    Lobes { axes: Axes, count: u32 },
+    Paper { elevations: u32, solid_angles: u32, count: u32 },
+}
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    header: Header,
+    axes: Axes,
+    shape: Shape,
+}
+
+fn config() -> impl bincode::config::Config {
+    bincode::config::legacy().with_limit::<MAX_HEADER>()
+}
+
+impl Table {
+    /// The bytes of the file.
+    ///
+    /// # Errors
+    /// If the header is longer than 64 KiB.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
+        let (shape, payload): (Shape, Vec<u8>) = match &self.representation {
+            Representation::Diffuse => (Shape::Diffuse, Vec::new()),
+            Representation::Zonal(t) => {
+                let (rows, columns, cells, scale) = t.parts();
+                let shape = Shape::Zonal { rows: rows as u32, columns: columns as u32, scale };
+                (shape, cells.iter().flat_map(|x| x.to_le_bytes()).collect())
+            }
+            Representation::Cubature(t) => {
+                let (axes, nodes) = t.parts();
+                (Shape::Cubature { axes }, nodes.to_vec())
+            }
+            Representation::Lobes(t) => {
+                let (axes, count, data) = t.parts();
+                (Shape::Lobes { axes, count: count as u32 }, floats(data))
+            }
+            Representation::Paper(t) => {
+                let (elevations, solid_angles, count, data) = t.parts();
+                let shape = Shape::Paper {
+                    elevations: elevations as u32,
+                    solid_angles: solid_angles as u32,
+                    count: count as u32,
+                };
+                (shape, floats(data))
+            }
+        };
+        let stored = Stored { header: self.header.clone(), axes: self.axes, shape };
+        let header = bincode::serde::encode_to_vec(&stored, config()).map_err(|e| FormatError::Header(e.to_string()))?;
+        if header.len() > MAX_HEADER {
+            return Err(FormatError::Header(format!("{} bytes, at most {MAX_HEADER} fit", header.len())));
+        }
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend((header.len() as u32).to_le_bytes());
+        bytes.extend(header);
+        for cell in &self.cells {
+            bytes.extend(floats(&cell.errors.to_array()));
+            bytes.extend(cell.support.to_le_bytes());
+        }
+        bytes.extend(payload);
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        Ok(bytes)
+    }
+
+    /// Reads the bytes of a file. Nothing is allocated beyond a small multiple of their number.
+    ///
+    /// # Errors
+    /// Whatever is wrong with them; never a panic.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let length = |what, expected: usize| FormatError::Length {
+            what,
+            expected: expected as u64,
+            found: bytes.len() as u64,
+        };
+        let word = |at: usize| bytes.get(at..at + 4).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b));
+        if bytes.len() < 8 || bytes[..8] != MAGIC {
+            return Err(FormatError::Magic);
+        }
+        let version = word(8).ok_or_else(|| length("the version", 12))?;
+        if version != VERSION {
+            return Err(FormatError::Version(version));
+        }
+        let size = word(12).ok_or_else(|| length("the header", 16))? as usize;
+        if size > MAX_HEADER {
+            return Err(FormatError::Header(format!("{size} bytes, at most {MAX_HEADER} are allowed")));
+        }
+        let end = bytes.len().saturating_sub(4);
+        if end < 16 + size {
+            return Err(length("the header", 20 + size));
+        }
+        let (expected, found) = (word(end).unwrap_or(0), crc32fast::hash(&bytes[..end]));
+        if expected != found {
+            return Err(FormatError::Checksum { expected, found });
+        }
+        let (stored, used): (Stored, usize) = bincode::serde::decode_from_slice(&bytes[16..16 + size], config())
+            .map_err(|e| FormatError::Header(e.to_string()))?;
+        if used != size {
+            return Err(FormatError::Header(format!("{used} of its {size} bytes are used")));
+        }
+        stored.build(&bytes[16 + size..end])
+    }
+
+    /// Loads a table.
+    ///
+    /// # Errors
+    /// As [`Table::from_bytes`], or the file cannot be read.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        let mut bytes = Vec::new();
+        File::open(path)?.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > MAX_FILE {
+            return Err(FormatError::TooLarge);
+        }
+        Self::from_bytes(&bytes)
+    }
+
+    /// Writes the table to a temporary file beside `path`, then renames it: an interrupted run leaves no broken file.
+    ///
+    /// # Errors
+    /// The file cannot be written; `path` is then as it was.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FormatError> {
+        let path = path.as_ref();
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(format!(".{}.tmp", std::process::id()));
+        let temporary = path.with_file_name(name);
+        let bytes = self.to_bytes()?;
+        let write = || -> io::Result<()> {
+            let mut file = File::create(&temporary)?;
+            file.write_all(&bytes)?;
+            file.sync_all()?;
+            std::fs::rename(&temporary, path)
+        };
+        write().map_err(|error| {
+            // The rename did not happen; what is left of the temporary file is of no use.
+            let _ = std::fs::remove_file(&temporary);
+            error.into()
+        })
+    }
+}
+
+impl Stored {
+    /// Checks the header and reads the payload.
+    fn build(self, payload: &[u8]) -> Result<Table, FormatError> {
+        let Self { header, axes, shape } = self;
+        let bad = |what: String| FormatError::Header(what);
+        header.material.validate().map_err(|e| bad(format!("material: {e}")))?;
+        let numbers = header.promise.iter().chain([&header.tolerance]);
+        if numbers.into_iter().any(|x| !(x.is_finite() && *x >= 0.0)) {
+            return Err(bad("tolerance or promise is not a positive number".into()));
+        }
+        if matches!(shape, Shape::Diffuse) != header.material.specular.is_none() {
+            return Err(bad("the representation does not fit the material".into()));
+        }
+        if !axes.is_valid(MAX_NODES) {
+            return Err(bad("error grid out of range".into()));
+        }
+        let cells = if matches!(shape, Shape::Diffuse) { 0 } else { axes.len() };
+        let (first, rest) = payload.split_at_checked(cells * CELL).ok_or(FormatError::Payload("too short"))?;
+        let first = read_floats(first)?;
+        let cells: Vec<CellInfo> = first
+            .chunks_exact(6)
+            .map(|c| CellInfo { errors: Errors::from_array([c[0], c[1], c[2], c[3], c[4]]), support: c[5] })
+            .collect();
+        let representation = shape.read(&header, rest)?;
+        Ok(Table { header, representation, axes, cells })
+    }
+}
+
+impl Shape {
+    fn read(self, header: &Header, bytes: &[u8]) -> Result<Representation, FormatError> {
+        let wrong = FormatError::Payload("its size or numbers do not fit the header");
+        let Some(specular) = header.material.specular else {
+            return if bytes.is_empty() { Ok(Representation::Diffuse) } else { Err(wrong) };
+        };
+        let grid = |axes: Axes| axes.is_valid(MAX_NODES).then_some(axes);
+        let representation = match self {
+            Shape::Diffuse => None,
+            Shape::Zonal { rows, columns, scale } => {
+                let cells = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+                (bytes.len() % 4 == 0)
+                    .then(|| Zonal::new(specular, rows as usize, columns as usize, cells, scale))
+                    .flatten()
+                    .map(Representation::Zonal)
+            }
+            Shape::Cubature { axes } => {
+                grid(axes).and_then(|axes| Cubature::new(specular, axes, bytes)).map(Representation::Cubature)
+            }
+            Shape::Lobes { axes, count } if count as usize <= LOBE_SIZE * 4 => {
+                let data = read_floats(bytes)?;
+                grid(axes).and_then(|axes| Lobes::new(axes, count as usize, data)).map(Representation::Lobes)
+            }
+            Shape::Lobes { .. } => None,
+            Shape::Paper { elevations, solid_angles, count } if count as usize <= RAW_SIZE * 4 => {
+                let data = read_floats(bytes)?;
+                Paper::new(elevations as usize, solid_angles as usize, count as usize, data).map(Representation::Paper)
+            }
+            Shape::Paper { .. } => None,
+        };
+        representation.ok_or(wrong)
+    }
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+fn read_floats(bytes: &[u8]) -> Result<Vec<f32>, FormatError> {
+    let values: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    if bytes.len() % 4 != 0 || values.iter().any(|x| !x.is_finite()) {
+        return Err(FormatError::Payload("a number is cut or not finite"));
+    }
+    Ok(values)
+}

@@ -1,0 +1,112 @@
+//! The lobe table as published in 2015 (§3.1): positive lobes (Cx x + Cy y + Cz z)ⁿ, the published grid, and linear
+//! interpolation of the coefficients. Kept as the measured baseline.
+
+use crate::batch::CapBatch;
+use crate::cap::Cap;
+use crate::lobe::Lobe;
+use crate::mean::MeanBrdf;
+use crate::real::Real;
+use core::f64::consts::{FRAC_PI_2, TAU};
+use glam::{DVec3, Vec3};
+
+/// Numbers stored per lobe: Cx, Cy, Cz, n.
+pub const RAW_SIZE: usize = 4;
+
+/// Tab[θe][Ωj] with θe = e π/(2 #H), e ∈ ]0, #H], and Ωj = j 2π(1 − sin θe)/#AS, j ∈ ]0, #AS].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paper {
+    elevations: usize,
+    solid_angles: usize,
+    count: usize,
+    /// Per cell, per lobe: Cx, Cy, Cz, n.
+    data: Vec<f32>,
+}
+
+impl Paper {
+    /// From the coefficients of all cells; `None` when their count is wrong or one is not usable.
+    pub fn new(elevations: usize, solid_angles: usize, count: usize, data: Vec<f32>) -> Option<Self> {
+        let cells = elevations.checked_mul(solid_angles)?;
+        let fits = elevations >= 1 && solid_angles >= 1 && (1..=16).contains(&count);
+        if !fits || cells.checked_mul(count * RAW_SIZE)? != data.len() {
+            return None;
+        }
+        let valid = data.chunks(RAW_SIZE).all(|l| l.iter().all(|x| x.is_finite()) && l[3] > 0.0);
+        valid.then_some(Self { elevations, solid_angles, count, data })
+    }
+
+    /// From one list of `count` lobes per cell, in the frame where the cap has azimuth 0.
+    pub fn from_cells(elevations: usize, solid_angles: usize, count: usize, cells: &[Vec<Lobe>]) -> Option<Self> {
+        let mut data = Vec::new();
+        for lobes in cells {
+            for k in 0..count {
+                let lobe = lobes.get(k).copied().unwrap_or(Lobe { exponent: 1.0, ..Lobe::default() });
+                data.extend(lobe.raw().map(|c| c as f32));
+                data.push(lobe.exponent as f32);
+            }
+        }
+        Self::new(elevations, solid_angles, count, data)
+    }
+
+    /// #H, #AS, lobes per cell and the coefficients, as [`Paper::new`] takes them.
+    pub fn parts(&self) -> (usize, usize, usize, &[f32]) {
+        (self.elevations, self.solid_angles, self.count, &self.data)
+    }
+
+    /// The cap of a cell, e and j counted from 1. The last row has Ω = 0 (θe = π/2): the smallest cap stands for it.
+    pub fn cap_at(elevations: usize, solid_angles: usize, e: usize, j: usize) -> Cap {
+        let theta = FRAC_PI_2 * e as f64 / elevations as f64;
+        let omega = TAU * (1.0 - theta.sin()) * j as f64 / solid_angles as f64;
+        Cap::new(theta, 0.0, omega.max(1e-12)).expect("cells lie in the domain")
+    }
+
+    /// The lobes at a query, each coefficient interpolated linearly between the closest rows and solid angles; queries
+    /// outside the grid take its first or last cell.
+    fn interpolated(&self, theta: f64, omega: f64) -> impl Iterator<Item = [f64; RAW_SIZE]> + '_ {
+        let e = (theta / FRAC_PI_2 * self.elevations as f64).clamp(1.0, self.elevations as f64);
+        let low = (e as usize).min(self.elevations.max(2) - 1);
+        let row = move |e: usize| {
+            let top = TAU * (1.0 - (FRAC_PI_2 * e as f64 / self.elevations as f64).sin());
+            let j = (omega / top.max(1e-12) * self.solid_angles as f64).clamp(1.0, self.solid_angles as f64);
+            let low = (j as usize).min(self.solid_angles.max(2) - 1);
+            (low, (low + 1).min(self.solid_angles), j - low as f64)
+        };
+        let high = (low + 1).min(self.elevations);
+        let along = e - low as f64;
+        (0..self.count).map(move |k| {
+            core::array::from_fn(|c| {
+                let at = |e: usize, j: usize| {
+                    let cell = (e - 1) * self.solid_angles + j - 1;
+                    f64::from(self.data[(cell * self.count + k) * RAW_SIZE + c])
+                };
+                let line = |e: usize| {
+                    let (j0, j1, f) = row(e);
+                    at(e, j0) * (1.0 - f) + at(e, j1) * f
+                };
+                line(low) * (1.0 - along) + line(high) * along
+            })
+        })
+    }
+}
+
+impl MeanBrdf for Paper {
+    fn name(&self) -> &'static str {
+        "paper"
+    }
+
+    fn value(&self, cap: &Cap, wo: DVec3) -> f64 {
+        if wo.z <= 0.0 {
+            return 0.0;
+        }
+        let (sp, cp) = cap.phi().sin_cos();
+        let w = DVec3::new(cp * wo.x + sp * wo.y, cp * wo.y - sp * wo.x, wo.z);
+        self.interpolated(cap.theta(), cap.solid_angle())
+            .map(|[x, y, z, n]| Real::powf(x * w.x + y * w.y + z * w.z, n))
+            .sum()
+    }
+
+    fn values(&self, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+        for (i, out) in out[..caps.len()].iter_mut().enumerate() {
+            *out = self.value(&caps.cap(i), wo.as_dvec3()) as f32;
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The integrals behind the zonal table: the mean of a radial cosine lobe over a cap as integrals around the rim.
+//!
+//! For ∫ over the cap of (w·m)₊ⁿ m dm = P c + R (w − c cos δ) (m mirrored directions, c the mirrored axis, δ its angle to
+//! w), Stokes' theorem turns P and R into integrals over the rim t(ψ) = cos δ cos σ + sin δ sin σ cos ψ:
+//!   J₀ = ∮ t₊ⁿ dψ,  J₁ = ∮ t₊ⁿ cos ψ dψ,  T = ∮ (1 − t₊ⁿ)/(1 − t²) (sin²σ cos δ − sin σ cos σ sin δ cos ψ) dψ,
+//!   P = (T cos δ + sin²σ J₀)/(n+2),  R = (T − sin σ cos σ J₁ / sin δ)/(n+2).
+
+use brdf_tables::brdf::Specular;
+use brdf_tables::cap::Cap;
+use brdf_tables::frame::mirror;
+use brdf_tables::gauss::gauss_legendre;
+use brdf_tables::zonal::{Zonal, ZonalAxes};
+use core::f64::consts::{FRAC_PI_2, PI};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// (1 − tⁿ)/(1 − t²) for t ∈ (0, 1], n/2 at t = 1.
+fn quotient(t: f64, n: f64) -> f64 {
+    let log = t.ln();
+    if log > -1e-12 { 0.5 * n } else { (n * log).exp_m1() / (2.0 * log).exp_m1() }
+}
+
+/// P(δ, σ) and R(δ, σ) for the exponent `n`, to about 1e-12 of P(0, σ). Angles in radian, δ ≤ π − σ.
+pub fn rim_integrals(n: f64, delta: f64, sigma: f64) -> (f64, f64) {
+    let (sr, cr) = sigma.sin_cos();
+    if delta < 1e-9 {
+        let p = 2.0 * PI * (1.0 - cr.powf(n + 2.0)) / (n + 2.0);
+        let r = (2.0 * PI * (1.0 - cr.powf(n)) - n * PI * sr * sr * cr.powf(n)) / (n + 2.0);
+        return (p, r);
+    }
+    let (sd, cd) = delta.sin_cos();
+    let nodes = 48 + (14.0 * n.sqrt() * sr) as usize;
+    let (mut j0, mut j1, mut t) = (0.0, 0.0, 0.0);
+    let mut add = |psi: f64, weight: f64| {
+        let c = psi.cos();
+        let x = (cd * cr + sd * sr * c).min(1.0);
+        if x > 0.0 {
+            let power = x.powf(n);
+            j0 += weight * power;
+            j1 += weight * power * c;
+            t += weight * quotient(x, n) * (sr * sr * cd - sr * cr * sd * c);
+        }
+    };
+    // Half the rim, doubled: it is symmetric in ψ.
+    if delta + sigma <= FRAC_PI_2 {
+        for i in 0..nodes {
+            add(PI * (i as f64 + 0.5) / nodes as f64, 2.0 * PI / nodes as f64);
+        }
+    } else {
+        // Part of the rim is below the horizon of w: Gauss–Legendre on the lit arc, the rest of T in closed form.
+        let lit = (-(cd * cr) / (sd * sr)).clamp(-1.0, 1.0).acos();
+        for (x, w) in gauss_legendre(nodes) {
+            add(0.5 * lit * (x + 1.0), lit * w);
+        }
+        let beta = |psi: f64| (sr * psi.sin()).atan2(sr * psi.cos() * cd - cr * sd);
+        t += 2.0 * (beta(PI) - beta(lit));
+    }
+    ((t * cd + sr * sr * j0) / (n + 2.0), (t - sr * cr * j1 / sd) / (n + 2.0))
+}
+
+/// Mean of a max(0, cos α)ⁿ over a cap that does not cross the horizon, in sr⁻¹: the closed form of eq. 9 for modified
+/// Phong, to about 1e-12 of its peak. `None` for a clipped cap.
+pub fn radial_mean((a, n): (f64, f64), cap: &Cap, wo: DVec3) -> Option<f64> {
+    let (sigma, cz) = (cap.half_angle(), cap.axis().z);
+    if cap.theta() + sigma > FRAC_PI_2 + 1e-9 {
+        return None;
+    }
+    let chord = 0.5 * (wo - mirror(cap.axis())).length();
+    // Beyond π − σ no mirrored direction of the cap is within 90° of wo.
+    let delta = (2.0 * chord.min(1.0).asin()).min(PI - sigma);
+    let (p, r) = rim_integrals(n, delta, sigma);
+    Some(a * (p * cz + r * (wo.z - cz * delta.cos())) / cap.projected_solid_angle())
+}
+
+/// Builds the zonal table of a radial model; `None` when the model is not radial.
+pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
+    let (_, n) = specular.radial_exponent()?;
+    let axes = ZonalAxes::new(n);
+    let values: Vec<(f64, f64)> = (0..rows * columns)
+        .into_par_iter()
+        .map(|i| {
+            // A cap of radius zero has the limit of a tiny one.
+            let u = ((i / columns) as f64 / (rows - 1) as f64).max(1e-5);
+            let (sigma, delta) = axes.angles(u, (i % columns) as f64 / (columns - 1) as f64);
+            let (p, r) = rim_integrals(n, delta.min(PI - sigma), sigma);
+            let peak = rim_integrals(n, 0.0, sigma).0;
+            (p / peak, r / peak)
+        })
+        .collect();
+    let range = |pick: fn(&(f64, f64)) -> f64| {
+        let (lo, hi) = values.iter().map(pick).fold((0f64, 0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
+        [lo, (hi - lo).max(f64::MIN_POSITIVE) / 65535.0]
+    };
+    let scale = [range(|v| v.0), range(|v| v.1)];
+    let pack = |x: f64, [lo, step]: [f64; 2]| ((x - lo) / step).round().clamp(0.0, 65535.0) as u32;
+    let cells = values.iter().map(|&(p, r)| pack(p, scale[0]) | pack(r, scale[1]) << 16).collect();
+    Zonal::new(specular, rows, columns, cells, scale)
+}
