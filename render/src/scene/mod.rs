@@ -5,6 +5,7 @@
 
 mod camera;
 mod light;
+pub mod load;
 mod material;
 mod mesh;
 mod shapes;

@@ -54,7 +54,7 @@ fn floats<'a, const N: usize>(mut words: impl Iterator<Item = &'a str>) -> Resul
     let mut out = [0.0; N];
     for (i, value) in out.iter_mut().enumerate() {
         let word = words.next().ok_or_else(|| format!("expected {N} numbers, found {i}"))?;
-        *value = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
+        *value = word.parse::<f32>().map_err(|_| format!("`{word}` is not a number"))?;
         if !value.is_finite() {
             return Err(format!("`{word}` is not finite"));
         }

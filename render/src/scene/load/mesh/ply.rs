@@ -22,7 +22,8 @@ pub fn parse(bytes: &[u8], path: &Path, turn_v: bool) -> Result<Mesh, FileError>
         // Every element takes at least a byte, so that a count beyond the file's size is a lie.
         let bytes_each = smallest_size(definition, header.encoding);
         if definition.count.saturating_mul(bytes_each) > bytes.len() {
-            let what = format!("the header promises {} `{name}` elements, more than the file can hold", definition.count);
+            let what =
+                format!("the header promises {} `{name}` elements, more than the file can hold", definition.count);
             return Err(FileError::new(path, what));
         }
         match name.as_str() {

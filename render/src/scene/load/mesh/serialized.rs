@@ -74,7 +74,7 @@ fn mesh(version: u16, stream: &[u8]) -> Result<(Mesh, bool), String> {
     // Each count must fit the bytes that the stream can expand to, before anything of its size is allocated.
     let double = flags & DOUBLE_PRECISION != 0;
     let bytes = (vertices.checked_mul(if double { 24 } else { 12 })).zip(triangles.checked_mul(12));
-    if !bytes.is_some_and(|(v, t)| v.saturating_add(t) <= budget) || vertices > u64::from(u32::MAX) {
+    if bytes.is_none_or(|(v, t)| v.saturating_add(t) > budget) || vertices > u64::from(u32::MAX) {
         return Err(format!(
             "{vertices} vertices and {triangles} triangles cannot come from {} compressed bytes",
             stream.len()

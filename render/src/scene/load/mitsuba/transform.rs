@@ -3,7 +3,7 @@
 use super::value::{numbers, real};
 use super::xml::Element;
 use crate::scene::load::error::LoadError;
-use glam::{DAffine3, DMat4, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 /// Composes the children of a `transform` element.
 pub fn parse(element: &Element) -> Result<DAffine3, LoadError> {
@@ -32,7 +32,7 @@ fn operation(element: &Element) -> Result<DMat4, LoadError> {
             let values = numbers(element.require("value")?).map_err(|e| element.error(e))?;
             match values.as_slice() {
                 v if v.len() == 16 => Ok(DMat4::from_cols_slice(v).transpose()),
-                v if v.len() == 9 => Ok(DMat4::from_mat3(glam::DMat3::from_cols_slice(v).transpose())),
+                v if v.len() == 9 => Ok(DMat4::from_mat3(DMat3::from_cols_slice(v).transpose())),
                 v => Err(element.error(format!("a matrix has 9 or 16 numbers, not {}", v.len()))),
             }
         }
@@ -53,6 +53,18 @@ fn look_at(element: &Element) -> Result<DMat4, LoadError> {
     let left = up.cross(forward).try_normalize();
     let left = left.ok_or_else(|| element.error("`up` is parallel to the direction of view"))?;
     Ok(DMat4::from_cols(left.extend(0.0), forward.cross(left).extend(0.0), forward.extend(0.0), origin.extend(1.0)))
+}
+
+/// Rotation (or reflection) and scale of a matrix whose columns are orthogonal and of equal length to 10⁻³.
+pub fn similarity(matrix: DMat3) -> Option<(DMat3, f64)> {
+    let scale = matrix.determinant().abs().cbrt();
+    let unit = matrix * (1.0 / scale);
+    let error = unit.transpose() * unit - DMat3::IDENTITY;
+    // Gram-Schmidt takes off what rounding in the file left of the error.
+    let z = unit.z_axis.normalize();
+    let y = (unit.y_axis - z * z.dot(unit.y_axis)).normalize();
+    let x = y.cross(z) * unit.determinant().signum();
+    error.to_cols_array().iter().all(|e| e.abs() < 1e-3).then_some((DMat3::from_cols(x, y, z), scale))
 }
 
 /// `x`, `y`, `z` attributes, or `value` with one or three numbers.

@@ -43,7 +43,11 @@ pub struct ColorContext {
 }
 
 /// An `rgb`, `srgb`, `spectrum` or `blackbody` element as linear sRGB. `resolve` finds files by name.
-pub fn color(element: &Element, context: ColorContext, resolve: impl Fn(&Path) -> std::path::PathBuf) -> Result<Rgb, LoadError> {
+pub fn color(
+    element: &Element,
+    context: ColorContext,
+    resolve: impl Fn(&Path) -> std::path::PathBuf,
+) -> Result<Rgb, LoadError> {
     let error = |what: String| element.error(what);
     match element.tag.as_str() {
         "rgb" => triple(element.require("value")?).map_err(error),

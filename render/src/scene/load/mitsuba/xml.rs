@@ -139,7 +139,9 @@ impl Reader {
             return Err(element.error(format!("{} includes itself", path.display())));
         }
         self.file(&path).map_err(|e| match e {
-            LoadError::File(source) if source.line.is_none() => LoadError::Asset { place: element.place.clone(), source },
+            LoadError::File(source) if source.line.is_none() => {
+                LoadError::Asset { place: element.place.clone(), source }
+            }
             other => other,
         })
     }

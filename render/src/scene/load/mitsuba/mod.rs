@@ -1,0 +1,112 @@
+//! Mitsuba scene files, versions 0.4 – 0.6 (camelCase) and 2 – 3 (snake_case).
+
+mod camera;
+mod emitter;
+mod material;
+mod object;
+mod shape;
+mod texture;
+mod transform;
+mod value;
+mod xml;
+
+use super::error::LoadError;
+use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
+use object::{Object, ObjectId, Objects};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Loads a scene file. `defines` win over the file's own `default`s. Returns the scene and warnings, each one line.
+///
+/// # Errors
+/// The first thing that makes the scene unreadable or the picture wrong.
+pub fn load(path: &Path, defines: &[(String, String)]) -> Result<(Scene, Vec<String>), LoadError> {
+    let document = xml::read(path, defines)?;
+    let mut warnings: Vec<String> =
+        document.unused_defines.iter().map(|name| format!("-D {name}: the scene has no such parameter")).collect();
+    let objects = Objects::new(document)?;
+    let mut builder = Builder::new(&objects);
+    builder.scene()?;
+    warnings.append(&mut builder.warnings);
+    let scene = builder.scene;
+    warnings.extend(objects.unused());
+    Ok((scene, warnings))
+}
+
+/// A scene in the making.
+struct Builder<'a> {
+    objects: &'a Objects,
+    scene: Scene,
+    warnings: Vec<String>,
+    /// Materials and textures already made, by the object they come from.
+    materials: HashMap<ObjectId, MaterialId>,
+    textures: HashMap<(ObjectId, texture::Decode), TextureId>,
+    /// Material of shapes that name none, by whether they emit.
+    default_materials: HashMap<bool, MaterialId>,
+    groups: HashMap<ObjectId, u32>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(objects: &'a Objects) -> Self {
+        Self {
+            objects,
+            scene: Scene::default(),
+            warnings: Vec::new(),
+            materials: HashMap::new(),
+            textures: HashMap::new(),
+            default_materials: HashMap::new(),
+            groups: HashMap::new(),
+        }
+    }
+
+    fn warn(&mut self, object: &Object, what: impl std::fmt::Display) {
+        self.warnings.push(format!("{}: {what}", object.place));
+    }
+
+    /// Everything at the top level.
+    fn scene(&mut self) -> Result<(), LoadError> {
+        let objects = self.objects;
+        let root = &objects[objects.root()];
+        let mut sensors = root.children_of(objects, "sensor");
+        match sensors.next() {
+            Some((sensor, _)) => self.sensor(&objects[sensor])?,
+            None => return Err(root.error("the scene has no sensor")),
+        }
+        if let Some((second, _)) = sensors.next() {
+            self.warn(&objects[second], "only the first sensor takes a picture");
+        }
+        for (integrator, _) in root.children_of(objects, "integrator") {
+            self.integrator(&objects[integrator])?;
+        }
+        for (emitter, _) in root.children_of(objects, "emitter") {
+            self.emitter(&objects[emitter])?;
+        }
+        // Materials, textures and media at the top level wait for references.
+        for class in ["bsdf", "texture", "medium"] {
+            root.children_of(objects, class).for_each(drop);
+        }
+        let shapes: Vec<ObjectId> = root.children_of(objects, "shape").map(|(id, _)| id).collect();
+        self.shapes(&shapes)
+    }
+
+    fn integrator(&mut self, object: &Object) -> Result<(), LoadError> {
+        let depth = object.number("max_depth")?;
+        let whole = depth.is_none_or(|d| d.fract() == 0.0 && (-1.0..f64::from(u32::MAX)).contains(&d));
+        if !whole {
+            return Err(object.error("`max_depth` must be -1 or a whole number ≥ 0"));
+        }
+        let settings = &mut self.scene.integrator;
+        settings.max_depth = match depth {
+            Some(d) if d >= 0.0 => d as u32,
+            _ => u32::MAX,
+        };
+        settings.rr_depth = object.count_or("rr_depth", IntegratorSettings::default().rr_depth)?;
+        settings.hide_emitters = object.boolean_or("hide_emitters", false)?;
+        match object.plugin.as_str() {
+            "path" => object.ignore(&["strict_normals"]),
+            "direct" => settings.max_depth = 2,
+            other => self.warn(object, format_args!("`{other}` is not known: path tracing is used instead")),
+        }
+        Ok(())
+    }
+}

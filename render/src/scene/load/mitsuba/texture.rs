@@ -1,0 +1,238 @@
+//! `texture`: images, checkerboards, constants.
+
+use super::Builder;
+use super::object::{Object, ObjectId};
+use crate::scene::load::error::LoadError;
+use crate::scene::load::image::{self, Pixels, srgb_to_linear};
+use crate::scene::{Bitmap, ColorTexture, FloatTexture, Interpolation, Rgb, Texels, Texture, TextureId, Wrap};
+use glam::{Affine2, Mat2, Vec2};
+
+/// What a texture is used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Decode {
+    /// A colour.
+    Color,
+    /// A number: the luminance of the colour, or the chosen channel.
+    Scalar,
+    /// A vector: the values as stored.
+    Vector,
+}
+
+/// How stored values become linear ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transfer {
+    /// sRGB for formats made for display, none for the others.
+    Automatic,
+    /// None: the values are linear, or no colours.
+    Linear,
+    /// sRGB whatever the format.
+    Srgb,
+    /// A power.
+    Gamma(f32),
+}
+
+impl Transfer {
+    /// From the parameters `raw` and `gamma` (−1 means sRGB).
+    pub fn new(object: &Object, raw: bool) -> Result<Self, LoadError> {
+        let raw = object.boolean_or("raw", raw)?;
+        Ok(match object.number("gamma")? {
+            None if raw => Self::Linear,
+            None => Self::Automatic,
+            Some(-1.0) => Self::Srgb,
+            Some(1.0) => Self::Linear,
+            Some(gamma) if (0.1..=10.0).contains(&gamma) => Self::Gamma(gamma as f32),
+            Some(gamma) => return Err(object.error(format!("a gamma of {gamma}"))),
+        })
+    }
+
+    fn decode(self, value: f32, display_referred: bool) -> f32 {
+        match self {
+            Self::Automatic if !display_referred => value,
+            Self::Linear => value,
+            Self::Automatic | Self::Srgb => srgb_to_linear(value),
+            Self::Gamma(gamma) => value.max(0.0).powf(gamma),
+        }
+    }
+}
+
+/// Linear colours of an image.
+pub fn rgb_texels(pixels: &Pixels, transfer: Transfer) -> Vec<[f32; 3]> {
+    let decode = |&[r, g, b, _]: &[f32; 4]| [r, g, b].map(|c| transfer.decode(c, pixels.display_referred));
+    pixels.rgba.iter().map(decode).collect()
+}
+
+fn luminance(rgb: Rgb) -> f32 {
+    rgb.dot(Rgb::new(0.212671, 0.715160, 0.072169))
+}
+
+impl Builder<'_> {
+    /// The colour parameter `name`: a number, a colour or a texture.
+    pub(super) fn color_texture(
+        &mut self,
+        object: &Object,
+        name: &str,
+        default: ColorTexture,
+    ) -> Result<ColorTexture, LoadError> {
+        match object.child_named(name) {
+            Some(id) => self.color_of(id),
+            None => Ok(object.color(name)?.map_or(default, ColorTexture::Constant)),
+        }
+    }
+
+    fn color_of(&mut self, id: ObjectId) -> Result<ColorTexture, LoadError> {
+        let objects = self.objects;
+        let object = &objects[id];
+        let color = |name| object.color(name).map(|c| c.unwrap_or(Rgb::ONE));
+        Ok(match object.plugin.as_str() {
+            "scale" => {
+                let factor = color("scale")?;
+                match self.color_of(self.inner_texture(object)?)? {
+                    ColorTexture::Constant(c) => ColorTexture::Constant(c * factor),
+                    ColorTexture::Texture(t) => ColorTexture::Scaled(t, factor),
+                    ColorTexture::Scaled(t, c) => ColorTexture::Scaled(t, c * factor),
+                }
+            }
+            "uniform" => ColorTexture::Constant(color("value")?),
+            "srgb" => ColorTexture::Constant(color("color")?),
+            "d65" => ColorTexture::Constant(color("color")? * object.number_or("scale", 1.0)? as f32),
+            _ => ColorTexture::Texture(self.texture(id, Decode::Color)?),
+        })
+    }
+
+    /// The number parameter `name`: a number or a texture.
+    pub(super) fn float_texture(
+        &mut self,
+        object: &Object,
+        name: &str,
+        default: FloatTexture,
+    ) -> Result<FloatTexture, LoadError> {
+        match object.child_named(name) {
+            Some(id) => self.float_of(id),
+            None => Ok(object.color(name)?.map_or(default, |c| FloatTexture::Constant(luminance_of_grey(c)))),
+        }
+    }
+
+    fn float_of(&mut self, id: ObjectId) -> Result<FloatTexture, LoadError> {
+        let objects = self.objects;
+        let object = &objects[id];
+        Ok(match object.plugin.as_str() {
+            "scale" => {
+                let factor = object.number_or("scale", 1.0)? as f32;
+                match self.float_of(self.inner_texture(object)?)? {
+                    FloatTexture::Constant(c) => FloatTexture::Constant(c * factor),
+                    FloatTexture::Texture(t) => FloatTexture::Scaled(t, factor),
+                    FloatTexture::Scaled(t, c) => FloatTexture::Scaled(t, c * factor),
+                }
+            }
+            "uniform" => FloatTexture::Constant(object.number_or("value", 1.0)? as f32),
+            _ => FloatTexture::Texture(self.texture(id, Decode::Scalar)?),
+        })
+    }
+
+    /// The only texture inside another one or inside a bump or normal map, whatever its name.
+    pub(super) fn inner_texture(&self, object: &Object) -> Result<ObjectId, LoadError> {
+        let mut inner = object.children_of(self.objects, "texture");
+        match (inner.next(), inner.next()) {
+            (Some((id, _)), None) => Ok(id),
+            _ => Err(object.error("exactly one texture inside is needed")),
+        }
+    }
+
+    /// A texture that varies, made once for every use it is put to.
+    pub(super) fn texture(&mut self, id: ObjectId, decode: Decode) -> Result<TextureId, LoadError> {
+        if let Some(&done) = self.textures.get(&(id, decode)) {
+            return Ok(done);
+        }
+        let objects = self.objects;
+        let object = &objects[id];
+        let texture = match (object.class.as_str(), object.plugin.as_str()) {
+            ("texture", "bitmap") => Texture::Bitmap(self.bitmap(object, decode)?),
+            ("texture", "checkerboard") => {
+                let color = |name, default| {
+                    let color = object.color(name).map(|c| c.unwrap_or(Rgb::splat(default)));
+                    color.map(|c| if decode == Decode::Scalar { Rgb::splat(luminance_of_grey(c)) } else { c })
+                };
+                Texture::Checkerboard {
+                    color0: color("color0", 0.4)?,
+                    color1: color("color1", 0.2)?,
+                    to_uv: to_uv(object)?,
+                }
+            }
+            (class, plugin) => return Err(object.error(format!("{class} `{plugin}` is not supported as a texture"))),
+        };
+        let new = TextureId(self.scene.textures.len() as u32);
+        self.scene.textures.push(texture);
+        self.textures.insert((id, decode), new);
+        Ok(new)
+    }
+
+    fn bitmap(&mut self, object: &Object, decode: Decode) -> Result<Bitmap, LoadError> {
+        object.ignore(&["cache", "max_anisotropy", "format"]);
+        // Vectors are never colours, whether the file says so or not.
+        let transfer = Transfer::new(object, decode == Decode::Vector)?;
+        let transfer = if decode == Decode::Vector { Transfer::Linear } else { transfer };
+        let interpolation = match object.text("filter_type")?.map(str::to_ascii_lowercase).as_deref() {
+            Some("nearest") => Interpolation::Nearest,
+            // Many samples per pixel filter the texture; the filters of version 0.x only save some of them.
+            None | Some("bilinear" | "trilinear" | "ewa") => Interpolation::Bilinear,
+            Some(other) => return Err(object.error(format!("no such texture filter: `{other}`"))),
+        };
+        let wrap = self.wrap(object)?;
+        let pixels = self.read_image(object, object.require_text("filename")?)?;
+        let texels = match (object.text("channel")?.map(str::to_ascii_lowercase), decode) {
+            (Some(name), _) => {
+                let at = ["r", "g", "b", "a"].iter().position(|c| *c == name);
+                let at = at.ok_or_else(|| object.error(format!("no channel `{name}` (r, g, b or a)")))?;
+                let transfer = if at == 3 { Transfer::Linear } else { transfer };
+                Texels::Gray(pixels.rgba.iter().map(|p| transfer.decode(p[at], pixels.display_referred)).collect())
+            }
+            (None, Decode::Scalar) => {
+                let rgb = rgb_texels(&pixels, transfer);
+                Texels::Gray(rgb.into_iter().map(|c| luminance_of_grey(Rgb::from(c))).collect())
+            }
+            (None, _) => Texels::Rgb(rgb_texels(&pixels, transfer)),
+        };
+        Ok(Bitmap { width: pixels.width, height: pixels.height, texels, wrap, interpolation, to_uv: to_uv(object)? })
+    }
+
+    fn wrap(&mut self, object: &Object) -> Result<Wrap, LoadError> {
+        let both = object.text("wrap_mode")?.unwrap_or("repeat");
+        let (u, v) = (object.text("wrap_mode_u")?.unwrap_or(both), object.text("wrap_mode_v")?.unwrap_or(both));
+        if u != v {
+            self.warn(object, format_args!("the wrap mode of u, `{u}`, is used for v too instead of `{v}`"));
+        }
+        match u {
+            "repeat" => Ok(Wrap::Repeat),
+            "mirror" => Ok(Wrap::Mirror),
+            "clamp" => Ok(Wrap::Clamp),
+            "zero" | "one" => {
+                self.warn(object, format_args!("the wrap mode `{u}` is not supported: `clamp` is used instead"));
+                Ok(Wrap::Clamp)
+            }
+            other => Err(object.error(format!("no such wrap mode: `{other}`"))),
+        }
+    }
+
+    /// An image file named by `object`.
+    pub(super) fn read_image(&self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
+        let error = |source| LoadError::Asset { place: object.place.clone(), source };
+        image::read(&self.objects.path(name)).map_err(error)
+    }
+}
+
+/// Luminance that leaves greys exactly as they are.
+fn luminance_of_grey(rgb: Rgb) -> f32 {
+    if rgb.x == rgb.y && rgb.y == rgb.z { rgb.x } else { luminance(rgb) }
+}
+
+/// Version 3 gives a transform, version 0.x scales and offsets: uv · scale + offset.
+fn to_uv(object: &Object) -> Result<Affine2, LoadError> {
+    let transform = object.transform("to_uv")?;
+    let part = |name, default| object.number_or(name, default).map(|v| v as f32);
+    let scale = Vec2::new(part("uscale", 1.0)?, part("vscale", 1.0)?);
+    let offset = Vec2::new(part("uoffset", 0.0)?, part("voffset", 0.0)?);
+    let m = transform.matrix3;
+    let columns = Mat2::from_cols(m.x_axis.truncate().as_vec2(), m.y_axis.truncate().as_vec2());
+    let given = Affine2::from_mat2_translation(columns, transform.translation.truncate().as_vec2());
+    Ok(given * Affine2::from_scale_angle_translation(scale, 0.0, offset))
+}
