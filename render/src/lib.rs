@@ -1,5 +1,10 @@
 //! Renders glossy global illumination: scenes, ray tracing, a path tracer.
 
 pub mod bvh;
+pub mod camera;
+pub mod frame;
+pub mod light;
 pub mod ray;
+pub mod sampler;
 pub mod scene;
+pub mod world;

@@ -5,7 +5,7 @@ use crate::ray::{Hit, Ray};
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, mask32x8};
 
 impl TriangleBvh {
-    /// Nearest intersection before `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
+    /// Nearest intersection between `ray.t_min` and `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
     #[inline]
     pub fn intersect(&self, ray: &Ray, hit: &mut Hit, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
@@ -161,7 +161,7 @@ fn nearest<S: Simd>(
         if current & LEAF != 0 {
             // Take the nearest accepted triangle of the leaf.
             let leaf = &bvh.leaves[(current & !LEAF) as usize];
-            let (mask, values) = triangles.test(simd, leaf, ray.t_min, hit.t.min(ray.t_max));
+            let (mask, values) = triangles.test(simd, leaf, ray.t_min, hit.t);
             let mut lanes = mask.to_bitmask() as u32;
             if lanes != 0 {
                 let mut arrays = [[0f32; WIDTH]; 3];
@@ -181,7 +181,7 @@ fn nearest<S: Simd>(
         } else {
             // Visit the children from near to far.
             let node = &bvh.nodes[current as usize];
-            let (near, mask) = boxes.test(simd, node, ray.t_min, hit.t.min(ray.t_max));
+            let (near, mask) = boxes.test(simd, node, ray.t_min, hit.t);
             let mut lanes = mask.to_bitmask() as u32;
             if lanes != 0 {
                 let mut t = [0f32; WIDTH];
@@ -295,7 +295,7 @@ mod tests {
                 let ray = Ray::new(origin, direction);
                 let expected =
                     triangles.iter().filter_map(|t| intersect_triangle(*t, &ray)).fold(f32::INFINITY, f32::min);
-                let mut hit = Hit::NONE;
+                let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
                 assert_eq!(
                     bvh.intersect(&ray, &mut hit, |_, _, _| true),
                     expected.is_finite(),

@@ -109,6 +109,10 @@ impl Scene {
             for texture in m.textures() {
                 check_index(what, "texture", texture.0, self.textures.len())?;
             }
+            if let Material::Blend { .. } = m {
+                let masked = m.children().any(|c| matches!(self.materials[c.0 as usize], Material::Mask { .. }));
+                require(!masked, || format!("{}: a mask inside a blend; put the blend inside the mask", what()))?;
+            }
         }
         for i in 0..self.materials.len() {
             self.check_nesting(i, 0)?;

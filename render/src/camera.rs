@@ -1,0 +1,144 @@
+//! Primary rays.
+
+use crate::ray::Ray;
+use crate::scene::{Camera, Filter};
+use glam::{Affine3A, Vec2, Vec3A};
+
+/// Intervals of the tabulated filter inverse.
+const TABLE: usize = 256;
+
+/// A camera ready to make rays.
+#[derive(Clone, Debug)]
+pub struct RayGenerator {
+    to_world: Affine3A,
+    /// Half extents of the film at unit depth.
+    half: Vec2,
+    center: Vec2,
+    inverse_size: Vec2,
+    clip: (f32, f32),
+    offset: Offset,
+}
+
+/// Distribution of a sample's distance from the pixel's centre: proportional to the filter, so that every pixel is the
+/// plain mean of its own samples.
+#[derive(Clone, Debug)]
+enum Offset {
+    Box(f32),
+    Tent(f32),
+    /// Distance beyond which the mass (k/TABLE)² lies, by k.
+    Table(Vec<f32>),
+}
+
+impl Offset {
+    fn new(filter: Filter) -> Self {
+        match filter {
+            Filter::Box { radius } => Self::Box(radius),
+            Filter::Tent { radius } => Self::Tent(radius),
+            Filter::Gaussian { stddev } => {
+                // Cumulate the filter from its end inwards, and note where the mass of one tail passes (k/TABLE)²/2:
+                // the square gives the thin tail many entries.
+                let steps = 64 * TABLE;
+                let at = |i: usize| 4.0 - 4.0 * (i as f64 + 0.5) / steps as f64;
+                let weights: Vec<f64> = (0..steps).map(|i| (-0.5 * at(i) * at(i)).exp() - (-8f64).exp()).collect();
+                let total: f64 = weights.iter().sum();
+                let mut quantiles = vec![4.0 * stddev];
+                let mut sum = 0.0;
+                for (i, w) in weights.iter().enumerate() {
+                    sum += w;
+                    while sum >= (quantiles.len() as f64 / TABLE as f64).powi(2) * total {
+                        quantiles.push(stddev * at(i) as f32);
+                    }
+                }
+                quantiles.resize(TABLE + 1, 0.0);
+                Self::Table(quantiles)
+            }
+        }
+    }
+
+    #[inline]
+    fn sample(&self, u: f32) -> f32 {
+        match self {
+            Self::Box(r) => (2.0 * u - 1.0) * r,
+            Self::Tent(r) if u < 0.5 => ((2.0 * u).sqrt() - 1.0) * r,
+            Self::Tent(r) => (1.0 - (2.0 - 2.0 * u).sqrt()) * r,
+            Self::Table(quantiles) => {
+                let side = 2.0 * u - 1.0;
+                let x = (1.0 - side.abs()).sqrt() * TABLE as f32;
+                let i = (x as usize).min(TABLE - 1);
+                (quantiles[i] + (quantiles[i + 1] - quantiles[i]) * (x - i as f32)).copysign(side)
+            }
+        }
+    }
+}
+
+impl RayGenerator {
+    /// Prepares the camera.
+    pub fn new(camera: &Camera) -> Self {
+        let size = Vec2::new(camera.film.width as f32, camera.film.height as f32);
+        let tan = (0.5 * camera.fov_x).tan();
+        Self {
+            to_world: camera.to_world,
+            half: Vec2::new(tan, tan * size.y / size.x),
+            center: 0.5 + camera.principal_point,
+            inverse_size: size.recip(),
+            clip: (camera.near, camera.far),
+            offset: Offset::new(camera.film.filter),
+        }
+    }
+
+    /// A ray through pixel (x, y) of the whole film, at the filter-distributed position of `u`. The direction is a unit
+    /// vector; the clip planes bound the ray.
+    #[inline]
+    pub fn ray(&self, x: u32, y: u32, u: Vec2) -> Ray {
+        let offset = Vec2::new(self.offset.sample(u.x), self.offset.sample(u.y));
+        let film = (Vec2::new(x as f32, y as f32) + 0.5 + offset) * self.inverse_size;
+        let local = (2.0 * (self.center - film) * self.half).extend(1.0);
+        let length = local.length();
+        Ray {
+            origin: self.to_world.translation,
+            direction: (self.to_world.matrix3 * Vec3A::from(local)).normalize(),
+            t_min: self.clip.0 * length,
+            t_max: self.clip.1 * length,
+        }
+    }
+
+    /// Depth along the axis of a point on a ray made by [`RayGenerator::ray`].
+    #[inline]
+    pub fn depth(&self, p: Vec3A) -> f32 {
+        (p - self.to_world.translation).dot(self.to_world.matrix3.z_axis.normalize())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Film;
+
+    #[test]
+    fn corners_lie_on_the_frustum_and_x_points_left() {
+        let film = Film { width: 200, height: 100, crop: None, filter: Filter::Box { radius: 0.5 } };
+        let camera = Camera { fov_x: 90f32.to_radians(), film, ..Camera::default() };
+        let generator = RayGenerator::new(&camera);
+        let d = generator.ray(0, 0, Vec2::ZERO).direction;
+        assert!((d / d.z - Vec3A::new(1.0, 0.5, 1.0)).length() < 1e-6, "{d}");
+        let d = generator.ray(199, 99, Vec2::ONE).direction;
+        assert!((d / d.z - Vec3A::new(-1.0, -0.5, 1.0)).length() < 1e-6, "{d}");
+    }
+
+    #[test]
+    fn offsets_follow_the_filter() {
+        for (filter, variance) in [
+            (Filter::Box { radius: 0.5 }, 1.0 / 12.0),
+            (Filter::Tent { radius: 1.0 }, 1.0 / 6.0),
+            (Filter::Gaussian { stddev: 0.5 }, 0.248_57), // a little below ¼: the tails are cut and lowered
+        ] {
+            let offset = Offset::new(filter);
+            let n = 100_000;
+            let moment = |k| {
+                (0..n).map(|i| f64::from(offset.sample((i as f32 + 0.5) / n as f32)).powi(k)).sum::<f64>() / n as f64
+            };
+            assert!(moment(1).abs() < 1e-4, "{filter:?}");
+            assert!((moment(2) - variance).abs() < 2e-4, "{filter:?} {}", moment(2));
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Emitting surfaces.
+
+use super::tree::LightBounds;
+use super::{LightSample, Target, mean};
+use crate::frame::Frame;
+use crate::scene::{AreaEmitter, ColorTexture, Mesh, Sphere, Texture};
+use core::f32::consts::{PI, TAU};
+use glam::{Vec2, Vec3A};
+
+/// Shape of an emitter.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    /// p0 + x e1 + y e2 over x, y ≥ 0, x + y ≤ 1.
+    Triangle {
+        p0: Vec3A,
+        e1: Vec3A,
+        e2: Vec3A,
+    },
+    /// p0 + x e1 + y e2 over the unit square.
+    Parallelogram {
+        p0: Vec3A,
+        e1: Vec3A,
+        e2: Vec3A,
+    },
+    Sphere(Sphere),
+}
+
+/// A surface that emits from its front.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    form: Form,
+    /// Unit normal of a flat surface.
+    normal: Vec3A,
+    area: f32,
+    /// Texture coordinates at p0, and their change along e1 and e2.
+    uv: [Vec2; 3],
+    pub radiance: ColorTexture,
+    mean_radiance: f32,
+}
+
+/// Largest deviation of the fourth corner of a parallelogram, relative to its diagonal.
+const PARALLEL: f32 = 1e-5;
+
+impl Surface {
+    /// The emitters of a mesh: one for a parallelogram of two triangles, otherwise one per triangle, or none if no
+    /// triangle has an area. Triangles without area keep their place and are never chosen.
+    pub fn of_mesh(mesh: &Mesh, emitter: &AreaEmitter, textures: &[Texture]) -> Vec<Self> {
+        let radiance = emitter.radiance;
+        let mean_radiance = mean(radiance.mean(textures));
+        let flat = |form, e1: Vec3A, e2: Vec3A, factor: f32, uv| {
+            let cross = e1.cross(e2);
+            let normal = cross.normalize_or_zero();
+            Self { form, normal, area: factor * cross.length(), uv, radiance, mean_radiance }
+        };
+        let corner = |i: u32| Vec3A::from(mesh.positions[i as usize]);
+        let corner_uv = |i: u32, barycentric: Vec2| mesh.uvs.get(i as usize).copied().unwrap_or(barycentric);
+        let triangle = |&[a, b, c]: &[u32; 3]| {
+            let (p0, e1, e2) = (corner(a), corner(b) - corner(a), corner(c) - corner(a));
+            let uv0 = corner_uv(a, Vec2::ZERO);
+            let uv = [uv0, corner_uv(b, Vec2::X) - uv0, corner_uv(c, Vec2::Y) - uv0];
+            flat(Form::Triangle { p0, e1, e2 }, e1, e2, 0.5, uv)
+        };
+        if let (&[[a, b, c], [d, e, f]], ColorTexture::Constant(_)) = (&mesh.triangles[..], radiance) {
+            // Two triangles (a, b, c), (a, c, x) with x = a + c − b.
+            if d == a && e == c {
+                let (p0, e1, e2) = (corner(a), corner(b) - corner(a), corner(f) - corner(a));
+                let miss = (p0 + e1 + e2 - corner(c)).length();
+                if miss <= PARALLEL * (corner(c) - p0).length() {
+                    let surface = flat(Form::Parallelogram { p0, e1, e2 }, e1, e2, 1.0, [Vec2::ZERO; 3]);
+                    return vec![surface].into_iter().filter(|s| s.area > 0.0).collect();
+                }
+            }
+        }
+        let surfaces: Vec<_> = mesh.triangles.iter().map(triangle).collect();
+        if surfaces.iter().any(|s| s.area > 0.0) { surfaces } else { Vec::new() }
+    }
+
+    /// An emitting sphere.
+    pub fn sphere(sphere: Sphere, emitter: &AreaEmitter, textures: &[Texture]) -> Self {
+        Self {
+            form: Form::Sphere(sphere),
+            normal: Vec3A::Z,
+            area: 4.0 * PI * sphere.radius * sphere.radius,
+            uv: [Vec2::ZERO; 3],
+            radiance: emitter.radiance,
+            mean_radiance: mean(emitter.radiance.mean(textures)),
+        }
+    }
+
+    /// Bounds of position, direction and power for the light tree.
+    pub fn bounds(&self) -> LightBounds {
+        let power = PI * self.mean_radiance * self.area;
+        match self.form {
+            Form::Sphere(s) => LightBounds::new(s.center - s.radius, s.center + s.radius, power, Vec3A::Z, -1.0, 0.0),
+            Form::Triangle { p0, e1, e2 } => {
+                let (a, b) = (p0 + e1, p0 + e2);
+                LightBounds::new(p0.min(a).min(b), p0.max(a).max(b), power, self.normal, 1.0, 0.0)
+            }
+            Form::Parallelogram { p0, e1, e2 } => {
+                let corners = [p0, p0 + e1, p0 + e2, p0 + e1 + e2];
+                let min = corners.into_iter().reduce(Vec3A::min).unwrap_or(p0);
+                let max = corners.into_iter().reduce(Vec3A::max).unwrap_or(p0);
+                LightBounds::new(min, max, power, self.normal, 1.0, 0.0)
+            }
+        }
+    }
+
+    /// A direction from `p` to the front of the surface.
+    #[inline]
+    pub fn sample(&self, textures: &[Texture], p: Vec3A, probability: f32, u: Vec2) -> Option<LightSample> {
+        let (target, xy) = match self.form {
+            Form::Parallelogram { p0, e1, e2 } => (p0 + e1 * u.x + e2 * u.y, u),
+            Form::Triangle { p0, e1, e2 } => {
+                // Fold the square along its diagonal (Heitz 2019, "A low-distortion map between triangle and square").
+                let b = if u.x < u.y {
+                    Vec2::new(0.5 * u.x, u.y - 0.5 * u.x)
+                } else {
+                    Vec2::new(u.x - 0.5 * u.y, 0.5 * u.y)
+                };
+                (p0 + e1 * b.x + e2 * b.y, b)
+            }
+            Form::Sphere(sphere) => return self.sample_sphere(textures, &sphere, p, probability, u),
+        };
+        let to_light = target - p;
+        let distance = to_light.length();
+        let wi = to_light / distance;
+        let pdf = self.pdf(p, distance, -self.normal.dot(wi));
+        let uv = self.uv[0] + self.uv[1] * xy.x + self.uv[2] * xy.y;
+        self.finish(textures, wi, target, probability, pdf, uv)
+    }
+
+    fn finish(
+        &self,
+        textures: &[Texture],
+        wi: Vec3A,
+        target: Vec3A,
+        probability: f32,
+        pdf: f32,
+        uv: Vec2,
+    ) -> Option<LightSample> {
+        (pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+            wi,
+            target: Target::Point(target),
+            radiance: self.radiance.eval(textures, uv),
+            pdf: pdf * probability,
+            delta: false,
+        })
+    }
+
+    /// Outside: uniformly over the cone of directions that meet the sphere. Inside: uniformly over the area.
+    fn sample_sphere(
+        &self,
+        textures: &[Texture],
+        s: &Sphere,
+        p: Vec3A,
+        probability: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        let to_center = s.center - p;
+        let distance2 = to_center.length_squared();
+        let radius2 = s.radius * s.radius;
+        if s.inward != (distance2 <= radius2) {
+            return None; // sees the back only
+        }
+        let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+        let outward = if s.inward {
+            let z = 1.0 - 2.0 * u.x;
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            Vec3A::new(r * cos_phi, r * sin_phi, z)
+        } else {
+            // 1 − cos of the angle at p, and from it the angle at the centre.
+            let sin2_max = radius2 / distance2;
+            let one_minus = u.x * one_minus_cos(sin2_max);
+            let cos = 1.0 - one_minus;
+            let sin2 = one_minus * (2.0 - one_minus);
+            let cos_alpha = sin2 / sin2_max.sqrt() + cos * (1.0 - sin2 / sin2_max).max(0.0).sqrt();
+            let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
+            let frame = Frame::from_normal(-to_center / distance2.sqrt());
+            frame.to_world(Vec3A::new(sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha))
+        };
+        let target = s.center + outward * s.radius;
+        let to_light = target - p;
+        let distance = to_light.length();
+        let wi = to_light / distance;
+        let pdf = self.pdf(p, distance, outward.dot(wi).abs());
+        self.finish(textures, wi, target, probability, pdf, s.uv(outward))
+    }
+
+    /// Density in sr⁻¹ of [`Surface::sample`] at a point at `distance` whose normal makes the cosine `cos` with the
+    /// direction back to `p`; 0 from behind.
+    #[inline]
+    pub fn pdf(&self, p: Vec3A, distance: f32, cos: f32) -> f32 {
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        match self.form {
+            Form::Sphere(s) if !s.inward => {
+                let sin2_max = s.radius * s.radius / (s.center - p).length_squared();
+                if sin2_max < 1.0 { 1.0 / (TAU * one_minus_cos(sin2_max)) } else { 0.0 }
+            }
+            _ if self.area > 0.0 => distance * distance / (cos * self.area),
+            _ => 0.0,
+        }
+    }
+}
+
+/// 1 − cos θ from sin² θ, θ ≤ π/2, without cancellation.
+fn one_minus_cos(sin2: f32) -> f32 {
+    sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
+}

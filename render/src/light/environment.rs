@@ -1,0 +1,194 @@
+//! Image-based light from infinity, chosen in proportion to its brightness.
+
+use crate::scene::{EnvironmentMap, Rgb};
+use core::f32::consts::{PI, TAU};
+use glam::{Vec2, Vec3A};
+
+impl EnvironmentMap {
+    /// Coordinates of a direction of the world.
+    #[inline]
+    fn uv(&self, d: Vec3A) -> Vec2 {
+        let local = self.to_world.transpose() * d;
+        let u = local.x.atan2(-local.z) / TAU;
+        Vec2::new(if u < 0.0 { u + 1.0 } else { u }, local.y.clamp(-1.0, 1.0).acos() / PI)
+    }
+
+    /// Radiance from the unit direction `d`: bilinear, periodic in u, clamped at the poles.
+    #[inline]
+    pub fn radiance(&self, d: Vec3A) -> Rgb {
+        let (w, h) = (self.image.width as usize, self.image.height as usize);
+        let p = self.uv(d) * Vec2::new(w as f32, h as f32) - 0.5;
+        let f = p - p.floor();
+        let (x0, y0) = (p.x.floor() as i32, p.y.floor() as i32);
+        let x = [x0, x0 + 1].map(|x| {
+            if x < 0 {
+                w - 1
+            } else if x >= w as i32 {
+                0
+            } else {
+                x as usize
+            }
+        });
+        let y = [y0, y0 + 1].map(|y| y.clamp(0, h as i32 - 1) as usize * w);
+        let row = |y: usize| self.image.texels.get(y + x[0]).lerp(self.image.texels.get(y + x[1]), f.x);
+        row(y[0]).lerp(row(y[1]), f.y) * self.scale
+    }
+}
+
+/// A row of cumulated weights, inverted in constant time through a table of starting points.
+#[derive(Clone, Debug)]
+struct Cdf {
+    /// n + 1 values from 0 to 1.
+    cumulated: Vec<f32>,
+    /// For i/n: the last index whose value is at most i/n.
+    guide: Vec<u32>,
+}
+
+impl Cdf {
+    fn new(weights: impl Iterator<Item = f64> + Clone) -> (Self, f64) {
+        let total: f64 = weights.clone().sum();
+        let mut sum = 0.0;
+        let mut cumulated: Vec<f32> = Vec::new();
+        for w in weights {
+            cumulated.push(if total > 0.0 { sum / total } else { 0.0 } as f32);
+            sum += w;
+        }
+        let n = cumulated.len();
+        cumulated.push(1.0);
+        if total <= 0.0 {
+            (0..n).for_each(|i| cumulated[i] = i as f32 / n as f32);
+        }
+        let mut guide = Vec::with_capacity(n);
+        let mut i = 0;
+        for k in 0..n {
+            while cumulated[i + 1] <= k as f32 / n as f32 {
+                i += 1;
+            }
+            guide.push(i as u32);
+        }
+        (Self { cumulated, guide }, total)
+    }
+
+    /// Interval that holds u, and the position of u inside it.
+    #[inline]
+    fn sample(&self, u: f32) -> (usize, f32) {
+        let n = self.guide.len();
+        let mut i = self.guide[((u * n as f32) as usize).min(n - 1)] as usize;
+        while i + 1 < n && self.cumulated[i + 1] <= u {
+            i += 1;
+        }
+        let width = self.cumulated[i + 1] - self.cumulated[i];
+        (i, if width > 0.0 { ((u - self.cumulated[i]) / width).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 })
+    }
+
+    /// Probability of interval `i`.
+    #[inline]
+    fn probability(&self, i: usize) -> f32 {
+        self.cumulated[i + 1] - self.cumulated[i]
+    }
+}
+
+/// Chooses a texel by its mean brightness (that of the interpolated image, so no light is out of reach) times the solid
+/// angle of its row, then a point of the texel.
+#[derive(Clone, Debug)]
+pub(super) struct MapSampler {
+    rows: Cdf,
+    columns: Vec<Cdf>,
+}
+
+impl MapSampler {
+    pub fn new(map: &EnvironmentMap) -> Self {
+        let (w, h) = (map.image.width as usize, map.image.height as usize);
+        let brightness = |x: usize, y: usize| {
+            let c = map.image.texels.get(y * w + x);
+            f64::from((c.x + c.y + c.z).max(0.0))
+        };
+        // The mean of a bilinear function over a texel weighs the neighbours by 1/8, 6/8, 1/8 along each axis.
+        let across = |x: usize, y: usize| {
+            0.125 * (brightness((x + w - 1) % w, y) + brightness((x + 1) % w, y)) + 0.75 * brightness(x, y)
+        };
+        let texel = |x: usize, y: usize| {
+            0.125 * (across(x, y.saturating_sub(1)) + across(x, (y + 1).min(h - 1))) + 0.75 * across(x, y)
+        };
+        let (columns, sums): (Vec<_>, Vec<_>) = (0..h).map(|y| Cdf::new((0..w).map(move |x| texel(x, y)))).unzip();
+        let sine = |y: usize| (core::f64::consts::PI * (y as f64 + 0.5) / h as f64).sin();
+        let rows = Cdf::new(sums.iter().enumerate().map(|(y, s)| s * sine(y))).0;
+        Self { rows, columns }
+    }
+
+    /// A direction of the world and its density in sr⁻¹.
+    #[inline]
+    pub fn sample(&self, map: &EnvironmentMap, u: Vec2) -> (Vec3A, f32) {
+        let (y, fy) = self.rows.sample(u.y);
+        let (x, fx) = self.columns[y].sample(u.x);
+        let (w, h) = (self.columns[0].guide.len() as f32, self.columns.len() as f32);
+        let theta = PI * (y as f32 + fy) / h;
+        let (sin_phi, cos_phi) = (TAU * (x as f32 + fx) / w).sin_cos();
+        let (sin, cos) = theta.sin_cos();
+        let d = map.to_world * Vec3A::new(sin * sin_phi, cos, -sin * cos_phi);
+        (d, self.density(x, y, sin))
+    }
+
+    #[inline]
+    fn density(&self, x: usize, y: usize, sin: f32) -> f32 {
+        let columns = &self.columns[y];
+        let texels = (columns.guide.len() * self.columns.len()) as f32;
+        self.rows.probability(y) * columns.probability(x) * texels / (TAU * PI * sin.max(1e-6))
+    }
+
+    /// Density in sr⁻¹ of a direction of the world.
+    #[inline]
+    pub fn pdf(&self, map: &EnvironmentMap, d: Vec3A) -> f32 {
+        let uv = map.uv(d);
+        let (w, h) = (self.columns[0].guide.len(), self.columns.len());
+        let x = ((uv.x * w as f32) as usize).min(w - 1);
+        let y = ((uv.y * h as f32) as usize).min(h - 1);
+        self.density(x, y, (PI * uv.y).sin())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Bitmap, Interpolation, Texels, Wrap};
+    use glam::{Affine2, Mat3A};
+
+    fn map() -> EnvironmentMap {
+        let (w, h) = (16, 8);
+        let texels = (0..w * h).map(|i| if i == 37 { 500.0 } else { (i % 7) as f32 }).collect();
+        EnvironmentMap {
+            image: Bitmap {
+                width: w,
+                height: h,
+                texels: Texels::Gray(texels),
+                wrap: Wrap::Repeat,
+                interpolation: Interpolation::Bilinear,
+                to_uv: Affine2::IDENTITY,
+            },
+            to_world: Mat3A::from_rotation_x(0.7),
+            scale: 2.0,
+        }
+    }
+
+    #[test]
+    fn samples_have_the_density_they_state_and_integrate_the_map() {
+        let map = map();
+        let sampler = MapSampler::new(&map);
+        let n = 1 << 17;
+        let (mut estimate, mut plain, mut mass) = (0.0f64, 0.0f64, 0.0f64);
+        let (mut disagree, sphere) = (0, 4.0 * core::f64::consts::PI);
+        for i in 0..n {
+            let u = crate::sampler::Sampler::new(0, (0, 0), i).next_2d();
+            let (d, pdf) = sampler.sample(&map, u);
+            disagree += u32::from((pdf - sampler.pdf(&map, d)).abs() > 1e-3 * pdf);
+            estimate += f64::from(map.radiance(d).x / pdf);
+            let d = crate::frame::uniform_sphere(u);
+            plain += f64::from(map.radiance(d).x) * sphere;
+            mass += f64::from(sampler.pdf(&map, d)) * sphere;
+        }
+        assert!(disagree < 100, "{disagree}"); // rounding puts a few points into the next texel
+        let count = f64::from(n);
+        assert!((mass / count - 1.0).abs() < 2e-3, "{}", mass / count);
+        assert!((estimate / plain - 1.0).abs() < 2e-3, "{estimate} {plain}");
+    }
+}

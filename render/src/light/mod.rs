@@ -1,0 +1,280 @@
+//! Sampling of emitters: which light, then where on it.
+
+mod area;
+mod environment;
+mod tree;
+
+use crate::frame::{cosine_hemisphere, uniform_sphere};
+use crate::scene::{self, Environment, Geometry, Rgb, Scene, Texture};
+use area::Surface;
+use core::f32::consts::{FRAC_1_PI, PI};
+use environment::MapSampler;
+use glam::{Vec2, Vec3A};
+use tree::{LightBounds, LightTree};
+
+/// The point that receives light.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// Position.
+    pub p: Vec3A,
+    /// Unit shading normal.
+    pub normal: Vec3A,
+    /// Whether only light from the side of `normal` counts.
+    pub one_sided: bool,
+}
+
+/// Where a shadow ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// At a point.
+    Point(Vec3A),
+    /// At infinity, in this unit direction.
+    Direction(Vec3A),
+}
+
+/// A sampled direction towards a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction to the light.
+    pub wi: Vec3A,
+    /// Where the shadow ray ends.
+    pub target: Target,
+    /// Incident radiance, visibility aside; for a delta light the irradiance facing it.
+    pub radiance: Rgb,
+    /// Density in sr⁻¹, choice of the light included; for a delta light the probability of the choice.
+    pub pdf: f32,
+    /// Whether the light is met by no other way of sampling.
+    pub delta: bool,
+}
+
+/// Emitters of a shape: one for all of it, or one per triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstEmitter {
+    base: u32,
+    per_triangle: bool,
+}
+
+impl FirstEmitter {
+    /// The emitter that triangle `index` of the shape belongs to.
+    #[inline]
+    pub fn of_triangle(self, index: u32) -> u32 {
+        if self.per_triangle { self.base + index } else { self.base }
+    }
+}
+
+/// A light with a place.
+#[derive(Clone, Debug)]
+enum Local {
+    Surface(Surface),
+    Point { position: Vec3A, intensity: Rgb },
+    Spot { position: Vec3A, direction: Vec3A, intensity: Rgb, beam: f32, cutoff: f32 },
+}
+
+/// All lights of a scene.
+#[derive(Clone, Debug)]
+pub struct Lights {
+    local: Vec<Local>,
+    tree: LightTree,
+    /// Directional lights: unit direction of travel, irradiance.
+    directional: Vec<(Vec3A, Rgb)>,
+    environment: Option<(Environment, Option<MapSampler>)>,
+}
+
+impl Lights {
+    /// Collects the lights of a scene; also returns the emitters of each of its shapes.
+    pub fn new(scene: &Scene) -> (Self, Vec<Option<FirstEmitter>>) {
+        let (mut local, mut bounds, mut directional) = (Vec::new(), Vec::new(), Vec::new());
+        let mut first_emitter = Vec::with_capacity(scene.shapes.len());
+        for shape in &scene.shapes {
+            let Some(emitter) = &shape.emitter else {
+                first_emitter.push(None);
+                continue;
+            };
+            let surfaces = match &shape.geometry {
+                Geometry::Mesh(mesh) => Surface::of_mesh(mesh, emitter, &scene.textures),
+                Geometry::Sphere(sphere) => vec![Surface::sphere(*sphere, emitter, &scene.textures)],
+            };
+            let per_triangle = matches!(&shape.geometry, Geometry::Mesh(m) if m.triangles.len() == surfaces.len());
+            first_emitter
+                .push((!surfaces.is_empty()).then_some(FirstEmitter { base: local.len() as u32, per_triangle }));
+            bounds.extend(surfaces.iter().map(Surface::bounds));
+            local.extend(surfaces.into_iter().map(Local::Surface));
+        }
+        for light in &scene.lights {
+            match *light {
+                scene::Light::Directional { direction, irradiance } => directional.push((direction, irradiance)),
+                scene::Light::Point { position, intensity } => {
+                    bounds.push(LightBounds::at_point(position, 4.0 * PI * mean(intensity), Vec3A::Z, -1.0, 0.0));
+                    local.push(Local::Point { position, intensity });
+                }
+                scene::Light::Spot { position, direction, intensity, beam, cutoff } => {
+                    // The power is bounded as if the whole cone had the full intensity; the cone holds every direction.
+                    let power = 2.0 * PI * (1.0 - cutoff.cos()) * mean(intensity);
+                    bounds.push(LightBounds::at_point(position, power, direction, 1.0, cutoff.cos()));
+                    local.push(Local::Spot { position, direction, intensity, beam, cutoff });
+                }
+            }
+        }
+        let environment = scene.environment.as_ref().map(|e| {
+            let sampler = match e {
+                Environment::Constant(_) => None,
+                Environment::Map(map) => Some(MapSampler::new(map)),
+            };
+            (e.clone(), sampler)
+        });
+        (Self { local, tree: LightTree::new(&bounds), directional, environment }, first_emitter)
+    }
+
+    /// Whether there is nothing to sample.
+    pub fn is_empty(&self) -> bool {
+        self.local.is_empty() && self.infinite_count() == 0
+    }
+
+    /// Number of lights, the environment counted as one.
+    pub fn count(&self) -> usize {
+        self.local.len() + self.infinite_count()
+    }
+
+    fn infinite_count(&self) -> usize {
+        self.directional.len() + usize::from(self.environment.is_some())
+    }
+
+    /// Probability of each light at infinity; the tree has the same share as one of them.
+    #[inline]
+    fn infinite_probability(&self) -> f32 {
+        1.0 / (self.infinite_count() + usize::from(!self.local.is_empty())) as f32
+    }
+
+    /// Samples the light that reaches `receiver`: `u_choice` chooses the light, `u` the place on it.
+    #[inline]
+    pub fn sample(&self, textures: &[Texture], receiver: &Receiver, u_choice: f32, u: Vec2) -> Option<LightSample> {
+        let mut u_choice = u_choice;
+        let mut tree_probability = 1.0;
+        let infinite = self.infinite_count();
+        if infinite > 0 {
+            let each = self.infinite_probability();
+            let index = (u_choice / each) as usize;
+            if index < infinite {
+                return Some(self.sample_infinite(receiver, index, each, u)).filter(|s| s.pdf > 0.0);
+            }
+            tree_probability = each;
+            u_choice = ((u_choice - infinite as f32 * each) / each).clamp(0.0, 1.0 - f32::EPSILON);
+        }
+        let (index, probability) = self.tree.sample(receiver, u_choice)?;
+        self.sample_local(textures, receiver, index as usize, tree_probability * probability, u)
+    }
+
+    /// Samples light number `index` (locals first), chosen with `probability`: the plain way, used by the twin of the
+    /// path tracer.
+    pub fn sample_one(
+        &self,
+        textures: &[Texture],
+        receiver: &Receiver,
+        index: usize,
+        probability: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        match index.checked_sub(self.local.len()) {
+            None => self.sample_local(textures, receiver, index, probability, u),
+            Some(infinite) => Some(self.sample_infinite(receiver, infinite, probability, u)).filter(|s| s.pdf > 0.0),
+        }
+    }
+
+    fn sample_local(
+        &self,
+        textures: &[Texture],
+        receiver: &Receiver,
+        index: usize,
+        probability: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        let (position, intensity) = match &self.local[index] {
+            Local::Surface(surface) => return surface.sample(textures, receiver.p, probability, u),
+            Local::Point { position, intensity } => (*position, *intensity),
+            Local::Spot { position, direction, intensity, beam, cutoff } => {
+                let angle = (receiver.p - position).angle_between(*direction);
+                let inside = ((cutoff - angle) / (cutoff - beam).max(1e-6)).clamp(0.0, 1.0);
+                (*position, *intensity * inside)
+            }
+        };
+        let to_light = position - receiver.p;
+        let distance2 = to_light.length_squared();
+        (distance2 > 0.0 && intensity.max_element() > 0.0).then(|| LightSample {
+            wi: to_light / distance2.sqrt(),
+            target: Target::Point(position),
+            radiance: intensity / distance2,
+            pdf: probability,
+            delta: true,
+        })
+    }
+
+    fn sample_infinite(&self, receiver: &Receiver, index: usize, probability: f32, u: Vec2) -> LightSample {
+        if let Some(&(direction, irradiance)) = self.directional.get(index) {
+            let wi = -direction;
+            return LightSample {
+                wi,
+                target: Target::Direction(wi),
+                radiance: irradiance,
+                pdf: probability,
+                delta: true,
+            };
+        }
+        let (wi, pdf, radiance) = match &self.environment {
+            Some((Environment::Map(map), Some(sampler))) => {
+                let (wi, pdf) = sampler.sample(map, u);
+                (wi, pdf, map.radiance(wi))
+            }
+            Some((Environment::Constant(radiance), _)) if receiver.one_sided => {
+                let local = cosine_hemisphere(u);
+                (crate::frame::Frame::from_normal(receiver.normal).to_world(local), local.z * FRAC_1_PI, *radiance)
+            }
+            Some((Environment::Constant(radiance), _)) => (uniform_sphere(u), 0.25 * FRAC_1_PI, *radiance),
+            _ => (Vec3A::Z, 0.0, Rgb::ZERO),
+        };
+        LightSample { wi, target: Target::Direction(wi), radiance, pdf: pdf * probability, delta: false }
+    }
+
+    /// Radiance that emitter `emitter` sends from a point at `uv` to its front.
+    #[inline]
+    pub fn emitted(&self, textures: &[Texture], emitter: u32, uv: Vec2) -> Rgb {
+        match &self.local[emitter as usize] {
+            Local::Surface(surface) => surface.radiance.eval(textures, uv),
+            _ => Rgb::ZERO,
+        }
+    }
+
+    /// Density in sr⁻¹ with which [`Lights::sample`] chooses the direction to a point of `emitter` at distance
+    /// `distance`, seen under the cosine `cos` from its normal.
+    #[inline]
+    pub fn pdf(&self, receiver: &Receiver, emitter: u32, distance: f32, cos: f32) -> f32 {
+        let Local::Surface(surface) = &self.local[emitter as usize] else { return 0.0 };
+        let share = if self.infinite_count() > 0 { self.infinite_probability() } else { 1.0 };
+        share * self.tree.probability(receiver, emitter) * surface.pdf(receiver.p, distance, cos)
+    }
+
+    /// Radiance from infinity in the unit direction `d`, directional lights aside.
+    #[inline]
+    pub fn environment(&self, d: Vec3A) -> Rgb {
+        match &self.environment {
+            None => Rgb::ZERO,
+            Some((Environment::Constant(radiance), _)) => *radiance,
+            Some((Environment::Map(map), _)) => map.radiance(d),
+        }
+    }
+
+    /// Density in sr⁻¹ with which [`Lights::sample`] chooses the direction `d` to the environment.
+    #[inline]
+    pub fn environment_pdf(&self, receiver: &Receiver, d: Vec3A) -> f32 {
+        let density = match &self.environment {
+            None => return 0.0,
+            Some((Environment::Map(map), Some(sampler))) => sampler.pdf(map, d),
+            Some(_) if receiver.one_sided => receiver.normal.dot(d).max(0.0) * FRAC_1_PI,
+            Some(_) => 0.25 * FRAC_1_PI,
+        };
+        density * self.infinite_probability()
+    }
+}
+
+fn mean(c: Rgb) -> f32 {
+    (c.x + c.y + c.z) / 3.0
+}

@@ -1,0 +1,243 @@
+//! Shapes of one space under acceleration structures: triangles in one tree, spheres and instances in another.
+
+use crate::bvh::TriangleBvh;
+use crate::ray::{Hit, Ray};
+use crate::sampler::mix;
+use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Shape, Sphere};
+use core::f32::consts::{PI, TAU};
+use glam::{Affine3A, Vec2, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::{Boundable, BvhBuildParams};
+use std::time::Duration;
+
+/// A triangle of a shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TriangleRef {
+    pub shape: u32,
+    pub index: u32,
+}
+
+/// What the second tree holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Object {
+    Sphere { shape: u32, sphere: Sphere },
+    Instance { index: u32, group: u32, to_group: Affine3A },
+}
+
+/// A set of shapes ready for ray queries. Primitives are numbered: triangles first, then objects.
+#[derive(Clone)]
+pub(super) struct Aggregate {
+    bvh: TriangleBvh,
+    pub triangles: Vec<TriangleRef>,
+    pub objects: Vec<Object>,
+    object_bvh: Option<Bvh2>,
+    bounds: (Vec3A, Vec3A),
+    /// Opacity of the shapes that have holes; empty without such.
+    masks: Vec<Option<FloatTexture>>,
+}
+
+/// What queries look up besides the trees: the scene, and the shapes of the aggregate.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    pub scene: &'a Scene,
+    pub shapes: &'a [Shape],
+    pub groups: &'a [Aggregate],
+}
+
+struct Bounds(Vec3A, Vec3A);
+
+impl Boundable for Bounds {
+    fn aabb(&self) -> Aabb {
+        Aabb::new(self.0, self.1)
+    }
+}
+
+/// The placement of an aggregate in the space of another.
+pub(super) struct Placement {
+    pub index: u32,
+    pub group: u32,
+    pub to_world: Affine3A,
+}
+
+impl Aggregate {
+    /// Builds the trees over the context's shapes and over `placements` of its groups.
+    pub fn new(context: Context, placements: &[Placement]) -> Self {
+        let Context { scene, shapes, groups } = context;
+        let (mut triangles, mut vertices, mut objects, mut boxes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (shape, s) in shapes.iter().enumerate() {
+            let shape = shape as u32;
+            match &s.geometry {
+                Geometry::Mesh(m) => {
+                    triangles.extend((0..m.triangles.len() as u32).map(|index| TriangleRef { shape, index }));
+                    vertices.extend(m.triangles.iter().map(|t| t.map(|i| Vec3A::from(m.positions[i as usize]))));
+                }
+                Geometry::Sphere(sphere) => {
+                    objects.push(Object::Sphere { shape, sphere: *sphere });
+                    boxes.push(Bounds(sphere.center - sphere.radius, sphere.center + sphere.radius));
+                }
+            }
+        }
+        for p in placements {
+            let (min, max) = groups[p.group as usize].bounds;
+            if min.cmple(max).all() {
+                objects.push(Object::Instance { index: p.index, group: p.group, to_group: p.to_world.inverse() });
+                boxes.push(placed_bounds(min, max, &p.to_world));
+            }
+        }
+        let bvh = TriangleBvh::new(&vertices);
+        let bounds = boxes.iter().fold(bvh.bounds(), |(min, max), b| (min.min(b.0), max.max(b.1)));
+        let params = BvhBuildParams::medium_build();
+        let object_bvh = (!boxes.is_empty()).then(|| build_bvh2(&boxes, params, &mut Duration::default()));
+        let mut masks: Vec<_> = shapes.iter().map(|s| mask(scene, s.material)).collect();
+        if masks.iter().all(Option::is_none) {
+            masks.clear();
+        }
+        Self { bvh, triangles, objects, object_bvh, bounds, masks }
+    }
+
+    /// Smallest and largest corner; min > max without shapes.
+    pub fn bounds(&self) -> (Vec3A, Vec3A) {
+        self.bounds
+    }
+
+    /// Nearest intersection before `hit.t`, holes of masks aside.
+    #[inline]
+    pub fn intersect(&self, context: Context, ray: &Ray, hit: &mut Hit) {
+        if self.masks.is_empty() {
+            self.bvh.intersect(ray, hit, |_, _, _| true);
+        } else {
+            self.bvh.intersect(ray, hit, |id, b1, b2| self.is_there(context, id, b1, b2));
+        }
+        if self.object_bvh.is_some() {
+            self.intersect_objects(context, ray, hit);
+        }
+    }
+
+    /// Whether a surface lies within the ray's bounds.
+    #[inline]
+    pub fn occluded(&self, context: Context, ray: &Ray) -> bool {
+        let by_triangle = if self.masks.is_empty() {
+            self.bvh.occluded(ray, |_, _, _| true)
+        } else {
+            self.bvh.occluded(ray, |id, b1, b2| self.is_there(context, id, b1, b2))
+        };
+        by_triangle
+            || (self.object_bvh.is_some() && {
+                let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
+                self.intersect_objects(context, ray, &mut hit);
+                hit.exists()
+            })
+    }
+
+    #[inline(never)]
+    fn intersect_objects(&self, context: Context, ray: &Ray, hit: &mut Hit) {
+        let Some(bvh) = &self.object_bvh else { return };
+        let mut scratch = obvhs::ray::RayHit::none();
+        let start = obvhs::ray::Ray::new(ray.origin, ray.direction, ray.t_min, hit.t);
+        bvh.ray_traverse(start, &mut scratch, |_, slot| {
+            let index = bvh.primitive_indices[slot];
+            match self.objects[index as usize] {
+                Object::Sphere { shape, sphere } => {
+                    let mut roots = intersect_sphere(&sphere, ray).into_iter().flatten();
+                    let there = |t: f32| self.sphere_is_there(context, shape, &sphere, ray, t);
+                    if let Some(t) = roots.find(|&t| t > ray.t_min && t < hit.t && there(t)) {
+                        let primitive = self.triangles.len() as u32 + index;
+                        *hit = Hit { t, primitive, ..Hit::NONE };
+                    }
+                }
+                Object::Instance { index, group, to_group } => {
+                    let shapes = &context.scene.groups[group as usize].shapes;
+                    let mut inner = Hit { t: hit.t, ..Hit::NONE };
+                    let local = transform(&to_group, ray);
+                    context.groups[group as usize].intersect(Context { shapes, ..context }, &local, &mut inner);
+                    if inner.exists() {
+                        *hit = Hit { instance: index, ..inner };
+                    }
+                }
+            }
+            hit.t
+        });
+    }
+
+    /// Whether triangle `id` is opaque at a point: a coin of the right bias, thrown by the point itself.
+    fn is_there(&self, context: Context, id: u32, b1: f32, b2: f32) -> bool {
+        let TriangleRef { shape, index } = self.triangles[id as usize];
+        let Some(opacity) = &self.masks[shape as usize] else { return true };
+        let Geometry::Mesh(mesh) = &context.shapes[shape as usize].geometry else { return true };
+        let uv = mesh.uv(index, b1, b2);
+        toss(opacity.eval(&context.scene.textures, uv), u64::from(id), b1, b2)
+    }
+
+    fn sphere_is_there(&self, context: Context, shape: u32, sphere: &Sphere, ray: &Ray, t: f32) -> bool {
+        let Some(Some(opacity)) = self.masks.get(shape as usize) else { return true };
+        let uv = sphere.uv((ray.origin + ray.direction * t - sphere.center).normalize());
+        toss(opacity.eval(&context.scene.textures, uv), u64::from(shape), uv.x, uv.y)
+    }
+}
+
+/// Whether a coin of bias `p` shows heads; equal arguments give equal answers.
+fn toss(p: f32, id: u64, x: f32, y: f32) -> bool {
+    let key = mix(id ^ mix(u64::from(x.to_bits()) << 32 | u64::from(y.to_bits())));
+    p >= 1.0 || ((key >> 40) as f32 * (1.0 / (1 << 24) as f32)) < p
+}
+
+/// Opacity of a material, through what may be wrapped around the mask.
+fn mask(scene: &Scene, material: MaterialId) -> Option<FloatTexture> {
+    match &scene.materials[material.0 as usize] {
+        Material::Mask { opacity, .. } => Some(*opacity),
+        Material::TwoSided { front: inner, .. }
+        | Material::NormalMap { inner, .. }
+        | Material::BumpMap { inner, .. } => mask(scene, *inner),
+        _ => None,
+    }
+}
+
+impl crate::scene::Mesh {
+    /// Texture coordinates of a point of a triangle; barycentrics where the mesh has none.
+    #[inline]
+    pub(super) fn uv(&self, triangle: u32, b1: f32, b2: f32) -> Vec2 {
+        if self.uvs.is_empty() {
+            return Vec2::new(b1, b2);
+        }
+        let [t0, t1, t2] = self.triangles[triangle as usize].map(|i| self.uvs[i as usize]);
+        t0 * (1.0 - b1 - b2) + t1 * b1 + t2 * b2
+    }
+}
+
+impl Sphere {
+    /// Texture coordinates in the unit direction `outward` from the centre.
+    pub(crate) fn uv(&self, outward: Vec3A) -> Vec2 {
+        let local = self.rotation.transpose() * outward;
+        let phi = local.y.atan2(local.x);
+        Vec2::new(if phi < 0.0 { phi + TAU } else { phi } / TAU, local.z.clamp(-1.0, 1.0).acos() / PI)
+    }
+}
+
+/// The ray in the space `t` leads to; distances along it stay the same.
+fn transform(t: &Affine3A, ray: &Ray) -> Ray {
+    Ray { origin: t.transform_point3a(ray.origin), direction: t.transform_vector3a(ray.direction), ..*ray }
+}
+
+fn placed_bounds(min: Vec3A, max: Vec3A, to_world: &Affine3A) -> Bounds {
+    let center = to_world.transform_point3a(0.5 * (min + max));
+    let half = to_world.matrix3.abs() * (0.5 * (max - min));
+    Bounds(center - half, center + half)
+}
+
+/// Both distances to the sphere, nearest first, in the form that does not cancel (Haines et al. 2019, "Precision
+/// improvements for ray/sphere intersection").
+fn intersect_sphere(sphere: &Sphere, ray: &Ray) -> [Option<f32>; 2] {
+    let f = ray.origin - sphere.center;
+    let a = ray.direction.length_squared();
+    let b = -f.dot(ray.direction);
+    let off_axis = f + ray.direction * (b / a);
+    let discriminant = sphere.radius * sphere.radius - off_axis.length_squared();
+    if discriminant < 0.0 {
+        return [None, None];
+    }
+    let c = (f.length() - sphere.radius) * (f.length() + sphere.radius);
+    let q = b + (a * discriminant).sqrt().copysign(b);
+    let (t0, t1) = (c / q, q / a);
+    if t0 <= t1 { [Some(t0), Some(t1)] } else { [Some(t1), Some(t0)] }
+}

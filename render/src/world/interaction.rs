@@ -1,0 +1,200 @@
+//! The surface where a ray ends.
+
+use super::World;
+use super::aggregate::Object;
+use crate::ray::{Hit, NO_INSTANCE, Ray};
+use crate::scene::{Geometry, MaterialId, Mesh, Shape, Sphere};
+use core::f32::consts::{PI, TAU};
+use glam::{Affine3A, Vec2, Vec3A};
+
+/// Relative size of the step a ray starts away from its surface, in the largest coordinate of the triangle: a few
+/// rounding errors of the intersection, so that no ray meets the surface it leaves.
+const OFFSET: f32 = 1.0 / (1 << 20) as f32;
+
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Interaction {
+    /// Position.
+    pub p: Vec3A,
+    /// Unit geometric normal of the front.
+    pub normal: Vec3A,
+    /// Unit normal for shading (interpolated where the mesh has normals), not yet bent by textures.
+    pub shading_normal: Vec3A,
+    /// ∂p/∂u, zero where unknown.
+    pub dpdu: Vec3A,
+    /// ∂p/∂v, zero where unknown.
+    pub dpdv: Vec3A,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Unit direction to where the ray came from.
+    pub wo: Vec3A,
+    /// How the surface scatters.
+    pub material: MaterialId,
+    /// Number of the emitter, for [`crate::light::Lights`], if the surface emits.
+    pub emitter: Option<u32>,
+    /// Step that clears the rounding error of `p`.
+    pub offset: f32,
+}
+
+impl Interaction {
+    /// Where a ray that leaves towards `direction` starts.
+    #[inline]
+    pub fn origin_towards(&self, direction: Vec3A) -> Vec3A {
+        self.p + self.normal * self.offset.copysign(self.normal.dot(direction))
+    }
+
+    /// A ray from here in `direction`.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3A) -> Ray {
+        Ray::new(self.origin_towards(direction), direction)
+    }
+
+    /// A ray from here to the point `target`, which it does not reach.
+    #[inline]
+    pub fn spawn_to(&self, target: Vec3A) -> Ray {
+        let origin = self.origin_towards(target - self.p);
+        Ray { origin, direction: target - origin, t_min: 0.0, t_max: 1.0 - 1e-4 }
+    }
+}
+
+impl World {
+    /// The surface at a hit of `ray`.
+    #[inline]
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
+        if hit.instance != NO_INSTANCE {
+            return self.instanced_interaction(ray, hit);
+        }
+        let aggregate = &self.aggregate;
+        match aggregate.triangles.get(hit.primitive as usize) {
+            Some(t) => {
+                let shape = &self.scene.shapes[t.shape as usize];
+                let emitter = self.first_emitter[t.shape as usize].map(|first| first.of_triangle(t.index));
+                self.on_triangle(shape, t.index, ray, hit, emitter)
+            }
+            None => {
+                let Object::Sphere { shape, sphere } =
+                    aggregate.objects[hit.primitive as usize - aggregate.triangles.len()]
+                else {
+                    unreachable!("hits on instances carry the instance")
+                };
+                let emitter = self.first_emitter[shape as usize].map(|first| first.of_triangle(0));
+                on_sphere(&self.scene.shapes[shape as usize], &sphere, ray, hit, emitter)
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn instanced_interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
+        let instance = &self.scene.instances[hit.instance as usize];
+        let group = &self.groups[instance.group as usize];
+        let shapes = &self.scene.groups[instance.group as usize].shapes;
+        let to_group = instance.to_world.inverse();
+        let local = Ray {
+            origin: to_group.transform_point3a(ray.origin),
+            direction: to_group.transform_vector3a(ray.direction),
+            ..*ray
+        };
+        let inner = match group.triangles.get(hit.primitive as usize) {
+            Some(t) => self.on_triangle(&shapes[t.shape as usize], t.index, &local, hit, None),
+            None => {
+                let Object::Sphere { shape, sphere } = group.objects[hit.primitive as usize - group.triangles.len()]
+                else {
+                    unreachable!("groups hold no instances")
+                };
+                on_sphere(&shapes[shape as usize], &sphere, &local, hit, None)
+            }
+        };
+        Interaction { wo: -ray.direction.normalize(), ..inner.placed(&instance.to_world) }
+    }
+
+    #[inline]
+    fn on_triangle(&self, shape: &Shape, index: u32, ray: &Ray, hit: &Hit, emitter: Option<u32>) -> Interaction {
+        let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!("triangles belong to meshes") };
+        let corners = mesh.triangles[index as usize].map(|i| i as usize);
+        let [p0, p1, p2] = corners.map(|i| Vec3A::from(mesh.positions[i]));
+        let b0 = 1.0 - hit.b1 - hit.b2;
+        let (e1, e2) = (p1 - p0, p2 - p0);
+        let normal = e1.cross(e2).normalize_or(-ray.direction);
+        let shading_normal = if mesh.normals.is_empty() {
+            normal
+        } else {
+            let [n0, n1, n2] = corners.map(|i| Vec3A::from(mesh.normals[i]));
+            (n0 * b0 + n1 * hit.b1 + n2 * hit.b2).try_normalize().unwrap_or(normal)
+        };
+        let [dpdu, dpdv] = if self.needs_tangents[shape.material.0 as usize] {
+            tangents(mesh, corners, e1, e2)
+        } else {
+            [Vec3A::ZERO; 2]
+        };
+        Interaction {
+            p: p0 * b0 + p1 * hit.b1 + p2 * hit.b2,
+            normal,
+            shading_normal,
+            dpdu,
+            dpdv,
+            uv: mesh.uv(index, hit.b1, hit.b2),
+            wo: -ray.direction,
+            material: shape.material,
+            emitter,
+            offset: p0.abs().max(p1.abs()).max(p2.abs()).max_element() * OFFSET,
+        }
+    }
+}
+
+/// Derivatives of the position by the texture coordinates of a triangle.
+fn tangents(mesh: &Mesh, corners: [usize; 3], e1: Vec3A, e2: Vec3A) -> [Vec3A; 2] {
+    if mesh.uvs.is_empty() {
+        return [e1, e2];
+    }
+    let [t0, t1, t2] = corners.map(|i| mesh.uvs[i]);
+    let (d1, d2) = (t1 - t0, t2 - t0);
+    let det = d1.perp_dot(d2);
+    if det == 0.0 {
+        return [Vec3A::ZERO; 2];
+    }
+    [(e1 * d2.y - e2 * d1.y) / det, (e2 * d1.x - e1 * d2.x) / det]
+}
+
+fn on_sphere(shape: &Shape, sphere: &Sphere, ray: &Ray, hit: &Hit, emitter: Option<u32>) -> Interaction {
+    let outward = (ray.origin + ray.direction * hit.t - sphere.center).normalize();
+    let local = sphere.rotation.transpose() * outward;
+    let normal = if sphere.inward { -outward } else { outward };
+    let sin = local.x.hypot(local.y);
+    let along = if sin > 0.0 { Vec2::new(local.x, local.y) / sin } else { Vec2::X };
+    let dpdu = sphere.rotation * Vec3A::new(-local.y, local.x, 0.0) * (TAU * sphere.radius);
+    let dpdv = sphere.rotation * Vec3A::new(local.z * along.x, local.z * along.y, -sin) * (PI * sphere.radius);
+    Interaction {
+        p: sphere.center + outward * sphere.radius,
+        normal,
+        shading_normal: normal,
+        dpdu,
+        dpdv,
+        uv: sphere.uv(outward),
+        wo: -ray.direction,
+        material: shape.material,
+        emitter,
+        offset: (sphere.center.abs() + sphere.radius).max_element() * OFFSET,
+    }
+}
+
+impl Interaction {
+    /// The same point after the transform of an instance; `wo` is left to the caller.
+    fn placed(self, to_world: &Affine3A) -> Self {
+        let m = to_world.matrix3;
+        let cofactor =
+            glam::Mat3A::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        let sign = m.determinant().signum();
+        let normal = |n: Vec3A| (cofactor * n * sign).normalize();
+        let scale = m.x_axis.abs().max(m.y_axis.abs()).max(m.z_axis.abs()).max_element();
+        let p = to_world.transform_point3a(self.p);
+        Self {
+            p,
+            normal: normal(self.normal),
+            shading_normal: normal(self.shading_normal),
+            dpdu: m * self.dpdu,
+            dpdv: m * self.dpdv,
+            offset: 2.0 * (self.offset * scale + p.abs().max_element() * OFFSET),
+            ..self
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! A scene ready for rendering: acceleration structures, lights, and ray queries.
+
+mod aggregate;
+mod interaction;
+
+use crate::light::{FirstEmitter, Lights};
+use crate::ray::{Hit, Ray};
+use crate::scene::{Material, Scene, SceneError};
+use aggregate::{Aggregate, Context, Placement};
+use glam::Vec3A;
+pub use interaction::Interaction;
+
+/// A scene with everything derived from it.
+#[derive(Clone)]
+pub struct World {
+    /// What was loaded.
+    pub scene: Scene,
+    /// Its lights.
+    pub lights: Lights,
+    aggregate: Aggregate,
+    groups: Vec<Aggregate>,
+    /// Emitters of every shape.
+    first_emitter: Vec<Option<FirstEmitter>>,
+    /// Whether a material asks for ∂p/∂u.
+    needs_tangents: Vec<bool>,
+}
+
+impl World {
+    /// Checks the scene and builds its acceleration structures.
+    ///
+    /// # Errors
+    /// What [`Scene::validate`] finds.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        scene.validate()?;
+        let context = |shapes| Context { scene: &scene, shapes, groups: &[] };
+        let groups: Vec<_> = scene.groups.iter().map(|g| Aggregate::new(context(&g.shapes), &[])).collect();
+        let placements: Vec<_> = scene
+            .instances
+            .iter()
+            .enumerate()
+            .map(|(i, p)| Placement { index: i as u32, group: p.group, to_world: p.to_world })
+            .collect();
+        let aggregate = Aggregate::new(Context { groups: &groups, ..context(&scene.shapes) }, &placements);
+        let (lights, first_emitter) = Lights::new(&scene);
+        let needs_tangents = (0..scene.materials.len()).map(|i| needs_tangents(&scene, i)).collect();
+        Ok(Self { scene, lights, aggregate, groups, first_emitter, needs_tangents })
+    }
+
+    /// Smallest and largest corner of all surfaces; min > max without any.
+    pub fn bounds(&self) -> (Vec3A, Vec3A) {
+        self.aggregate.bounds()
+    }
+
+    /// The nearest surface within the bounds of the ray; the holes of masks are not there.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Hit {
+        let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
+        self.aggregate.intersect(self.context(), ray, &mut hit);
+        hit
+    }
+
+    /// Whether something lies within the bounds of the ray.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.aggregate.occluded(self.context(), ray)
+    }
+
+    fn context(&self) -> Context<'_> {
+        Context { scene: &self.scene, shapes: &self.scene.shapes, groups: &self.groups }
+    }
+}
+
+/// Whether evaluating material `i` needs the direction of u: anisotropy, or a normal from a texture.
+fn needs_tangents(scene: &Scene, i: usize) -> bool {
+    match &scene.materials[i] {
+        Material::NormalMap { .. } | Material::BumpMap { .. } => true,
+        Material::Ward { alpha_u, alpha_v, .. }
+        | Material::RoughConductor { alpha_u, alpha_v, .. }
+        | Material::RoughDielectric { alpha_u, alpha_v, .. } => alpha_u != alpha_v,
+        m => m.children().any(|c| needs_tangents(scene, c.0 as usize)),
+    }
+}
