@@ -70,9 +70,8 @@ impl CapBatch {
     /// The lanes `[start, start + LANES)`.
     pub(crate) fn lanes(&self, start: usize) -> [&[f32; LANES]; 4] {
         let [x, y, z] = &self.axis;
-        [x, y, z, &self.height].map(|column| {
-            column[start..start + LANES].first_chunk().expect("columns are padded to whole vectors")
-        })
+        [x, y, z, &self.height]
+            .map(|column| column[start..start + LANES].first_chunk().expect("columns are padded to whole vectors"))
     }
 }
 

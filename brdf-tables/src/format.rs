@@ -122,7 +122,8 @@ impl Table {
             }
         };
         let stored = Stored { header: self.header.clone(), axes: self.axes, shape };
-        let header = bincode::serde::encode_to_vec(&stored, config()).map_err(|e| FormatError::Header(e.to_string()))?;
+        let header =
+            bincode::serde::encode_to_vec(&stored, config()).map_err(|e| FormatError::Header(e.to_string()))?;
         if header.len() > MAX_HEADER {
             return Err(FormatError::Header(format!("{} bytes, at most {MAX_HEADER} fit", header.len())));
         }
@@ -144,11 +145,8 @@ impl Table {
     /// # Errors
     /// Whatever is wrong with them; never a panic.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let length = |what, expected: usize| FormatError::Length {
-            what,
-            expected: expected as u64,
-            found: bytes.len() as u64,
-        };
+        let length =
+            |what, expected: usize| FormatError::Length { what, expected: expected as u64, found: bytes.len() as u64 };
         let word = |at: usize| bytes.get(at..at + 4).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b));
         if bytes.len() < 8 || bytes[..8] != MAGIC {
             return Err(FormatError::Magic);

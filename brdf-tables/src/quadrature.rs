@@ -25,11 +25,7 @@ fn integrate(cap: &Cap, radial: usize, azimuthal: usize, f: &impl Fn(DVec3) -> f
     let to_local = basis(cap.axis());
     let (sigma, theta) = (cap.half_angle(), cap.theta());
     // The frame of the rings: e1 points down the slope of the cap, so that ψ = 0 is its lowest point.
-    let down = if theta < 1e-9 {
-        to_local.x_axis
-    } else {
-        (cap.axis() * cap.axis().z - DVec3::Z).normalize()
-    };
+    let down = if theta < 1e-9 { to_local.x_axis } else { (cap.axis() * cap.axis().z - DVec3::Z).normalize() };
     let across = cap.axis().cross(down);
     let ring = |beta: f64| {
         let (sb, cb) = beta.sin_cos();

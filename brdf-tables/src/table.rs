@@ -138,7 +138,11 @@ impl Table {
         let o = axes.omega_place(cap.solid_angle()).index;
         let corner = move |i: usize| {
             let clamp = |x: usize, n: u32| x.min(n as usize - 1);
-            axes.index(clamp(t + (i >> 2 & 1), axes.theta), clamp(p + (i >> 1 & 1), axes.phi), clamp(o + (i & 1), axes.omega))
+            axes.index(
+                clamp(t + (i >> 2 & 1), axes.theta),
+                clamp(p + (i >> 1 & 1), axes.phi),
+                clamp(o + (i & 1), axes.omega),
+            )
         };
         (0..8).map(corner).filter(|&i| i < self.cells.len())
     }

@@ -1,0 +1,90 @@
+//! The five errors of one cap, over directions that follow the reflected lobe.
+
+use brdf_tables::brdf::Specular;
+use brdf_tables::cap::Cap;
+use brdf_tables::errors::Errors;
+use brdf_tables::frame::{basis, mirror};
+use brdf_tables::gauss::gauss_legendre;
+use core::f64::consts::{PI, TAU};
+use glam::DVec3;
+use std::sync::OnceLock;
+
+/// Rings of directions around the mirrored cap axis.
+const RINGS: usize = 26;
+/// Directions per ring.
+const SPOKES: usize = 20;
+
+/// Outgoing directions above the horizon with their solid angles: polar about the mirrored cap axis, dense within the
+/// lobe, reaching to the far side of the hemisphere.
+#[derive(Clone, Debug)]
+pub struct Directions {
+    /// Unit vectors, z > 0.
+    pub wo: Vec<DVec3>,
+    /// Solid angle of each, sr.
+    pub weight: Vec<f64>,
+}
+
+impl Directions {
+    /// Directions for the mean of `specular` over `cap`.
+    pub fn new(specular: &Specular, cap: &Cap) -> Self {
+        static RULE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
+        let rule = RULE.get_or_init(|| gauss_legendre(RINGS));
+        let frame = basis(mirror(cap.axis()));
+        // δ = κ s/(1 − s²), so that half of the rings lie within about κ.
+        let kappa = cap.half_angle() + 2.0 * specular.lobe_width();
+        let top = (-kappa + (kappa * kappa + 4.0 * PI * PI).sqrt()) / TAU;
+        let (mut wo, mut weight) = (Vec::new(), Vec::new());
+        for &(x, w) in rule {
+            let s = 0.5 * top * (x + 1.0);
+            let c = 1.0 - s * s;
+            let (sd, cd) = (kappa * s / c).sin_cos();
+            let solid_angle = 0.5 * top * w * kappa * (1.0 + s * s) / (c * c) * sd * TAU / SPOKES as f64;
+            for spoke in 0..SPOKES {
+                let (sp, cp) = (TAU * (spoke as f64 + 0.5) / SPOKES as f64).sin_cos();
+                let direction = frame * DVec3::new(sd * cp, sd * sp, cd);
+                if direction.z > 0.0 {
+                    wo.push(direction);
+                    weight.push(solid_angle);
+                }
+            }
+        }
+        Self { wo, weight }
+    }
+
+    /// The five errors of `approximate` against `exact`, values of F in sr⁻¹ at the directions.
+    pub fn errors(&self, exact: &[f64], approximate: &[f64]) -> Errors {
+        let peak = exact.iter().fold(0f64, |m, &f| m.max(f)).max(f64::MIN_POSITIVE);
+        let (mut square, mut lobe, mut lobe_area, mut absolute, mut total) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut worst, mut energy, mut energy_error) = (0f64, 0.0, 0.0);
+        for i in 0..exact.len() {
+            let (f, e, w) = (exact[i], approximate[i] - exact[i], self.weight[i]);
+            square += w * e * e;
+            if f > 0.01 * peak {
+                lobe += w * e * e;
+                lobe_area += w;
+            }
+            absolute += w * e.abs();
+            total += w * f;
+            worst = worst.max(e.abs());
+            energy += w * f * self.wo[i].z;
+            energy_error += w * e * self.wo[i].z;
+        }
+        let safe = |x: f64| x.max(f64::MIN_POSITIVE);
+        Errors {
+            rmse_hemi: ((square / TAU).sqrt() / peak) as f32,
+            rmse_lobe: ((lobe / safe(lobe_area)).sqrt() / peak) as f32,
+            l1: (absolute / safe(total)) as f32,
+            max: (worst / peak) as f32,
+            albedo: (energy_error.abs() / safe(energy)) as f32,
+        }
+    }
+
+    /// Angle from the mirrored cap axis beyond which F stays below 1/1000 of its maximum, radian.
+    pub fn support(&self, cap: &Cap, exact: &[f64]) -> f64 {
+        let peak = exact.iter().fold(0f64, |m, &f| m.max(f));
+        let centre = mirror(cap.axis());
+        let beyond = |wo: &DVec3| 2.0 * (0.5 * (*wo - centre).length()).min(1.0).asin();
+        let inside = self.wo.iter().zip(exact).filter(|(_, f)| **f > 1e-3 * peak);
+        inside.map(|(wo, _)| beyond(wo)).fold(0.0, f64::max)
+    }
+}

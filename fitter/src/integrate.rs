@@ -1,0 +1,73 @@
+//! The mean BRDF by Monte Carlo (eq. 9), with its standard error.
+
+use brdf_tables::brdf::{Brdf, Specular};
+use brdf_tables::cap::Cap;
+use glam::{DVec2, DVec3};
+use sobol_burley::sample;
+
+/// A Monte Carlo estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean, sr⁻¹.
+    pub value: f64,
+    /// Standard error of the mean, sr⁻¹.
+    pub stderr: f64,
+}
+
+/// Independently scrambled sequences whose spread is the standard error.
+const REPLICATES: usize = 16;
+/// Points a scrambled Sobol sequence has before it must be scrambled anew.
+const SEQUENCE: usize = 1 << 16;
+
+/// F(cap; wo) of the specular part in sr⁻¹. See [`mean_brdf_mc_rgb`].
+pub fn mean_brdf_mc(specular: &Specular, cap: &Cap, wo: DVec3, samples: usize, seed: u64) -> Estimate {
+    let [estimate] = estimate(specular, cap, wo, samples, seed, |_| [1.0]);
+    estimate
+}
+
+/// F(cap; wo) of the specular part, tinted per channel, in sr⁻¹: Owen-scrambled Sobol points, half of them uniform in the
+/// cap and half from the BRDF, combined by the balance heuristic (Veach 1997), over any cap of the domain. At least 32
+/// samples are taken.
+pub fn mean_brdf_mc_rgb(specular: &Specular, cap: &Cap, wo: DVec3, samples: usize, seed: u64) -> [Estimate; 3] {
+    estimate(specular, cap, wo, samples, seed, |wi| specular.tint(wi, wo))
+}
+
+fn estimate<const N: usize>(
+    specular: &Specular,
+    cap: &Cap,
+    wo: DVec3,
+    samples: usize,
+    seed: u64,
+    tint: impl Fn(DVec3) -> [f64; N],
+) -> [Estimate; N] {
+    let half = samples.div_ceil(2 * REPLICATES).max(1);
+    let area = cap.projected_solid_angle();
+    let mut means = [[0.0; N]; REPLICATES];
+    for (replicate, mean) in means.iter_mut().enumerate() {
+        // f cos over the sum of both densities: the balance heuristic for equally many samples of each kind.
+        let mut add = |wi: DVec3| {
+            if wi.z > 0.0 && cap.contains(wi) {
+                let density = 1.0 / cap.solid_angle() + specular.pdf(wi, wo);
+                let value = specular.eval(wi, wo) * wi.z / (density * half as f64 * area);
+                for (m, t) in mean.iter_mut().zip(tint(wi)) {
+                    *m += value * t;
+                }
+            }
+        };
+        for i in 0..half {
+            let block =
+                seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add((i / SEQUENCE * REPLICATES + replicate) as u64);
+            let scramble = (block ^ block >> 32) as u32;
+            let u = |dimension| f64::from(sample((i % SEQUENCE) as u32, dimension, scramble));
+            add(cap.sample(DVec2::new(u(0), u(1))));
+            if let Some(wi) = specular.sample(wo, DVec2::new(u(2), u(3))) {
+                add(wi);
+            }
+        }
+    }
+    core::array::from_fn(|c| {
+        let value = means.iter().map(|m| m[c]).sum::<f64>() / REPLICATES as f64;
+        let variance = means.iter().map(|m| (m[c] - value).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
+        Estimate { value, stderr: (variance / REPLICATES as f64).sqrt() }
+    })
+}
