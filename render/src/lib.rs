@@ -1,5 +1,6 @@
 //! Renders glossy global illumination: scenes, ray tracing, a path tracer.
 
+pub mod bsdf;
 pub mod bvh;
 pub mod camera;
 pub mod frame;

@@ -41,11 +41,17 @@ impl Sampler {
 
 /// SplitMix64's finalizer.
 #[inline]
-pub(crate) fn mix(x: u64) -> u64 {
+fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
+}
+
+/// Whether a coin of bias `p` shows heads; equal arguments give equal answers.
+pub(crate) fn toss<const N: usize>(p: f32, id: u64, place: [f32; N]) -> bool {
+    let key = place.iter().fold(id, |key, x| mix(key ^ u64::from(x.to_bits())));
+    p >= 1.0 || ((mix(key) >> 40) as f32 * (1.0 / (1 << 24) as f32)) < p
 }
 
 /// Nested uniform scrambling of bit-reversed numbers (Laine and Karras 2011, constants by Vegdahl 2021): every bit is

@@ -2,7 +2,7 @@
 
 use crate::bvh::TriangleBvh;
 use crate::ray::{Hit, Ray};
-use crate::sampler::mix;
+use crate::sampler::toss;
 use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Shape, Sphere};
 use core::f32::consts::{PI, TAU};
 use glam::{Affine3A, Vec2, Vec3A};
@@ -166,20 +166,14 @@ impl Aggregate {
         let Some(opacity) = &self.masks[shape as usize] else { return true };
         let Geometry::Mesh(mesh) = &context.shapes[shape as usize].geometry else { return true };
         let uv = mesh.uv(index, b1, b2);
-        toss(opacity.eval(&context.scene.textures, uv), u64::from(id), b1, b2)
+        toss(opacity.eval(&context.scene.textures, uv), u64::from(id), [b1, b2])
     }
 
     fn sphere_is_there(&self, context: Context, shape: u32, sphere: &Sphere, ray: &Ray, t: f32) -> bool {
         let Some(Some(opacity)) = self.masks.get(shape as usize) else { return true };
         let uv = sphere.uv((ray.origin + ray.direction * t - sphere.center).normalize());
-        toss(opacity.eval(&context.scene.textures, uv), u64::from(shape), uv.x, uv.y)
+        toss(opacity.eval(&context.scene.textures, uv), u64::from(shape), uv.to_array())
     }
-}
-
-/// Whether a coin of bias `p` shows heads; equal arguments give equal answers.
-fn toss(p: f32, id: u64, x: f32, y: f32) -> bool {
-    let key = mix(id ^ mix(u64::from(x.to_bits()) << 32 | u64::from(y.to_bits())));
-    p >= 1.0 || ((key >> 40) as f32 * (1.0 / (1 << 24) as f32)) < p
 }
 
 /// Opacity of a material, through what may be wrapped around the mask.

@@ -3,9 +3,10 @@
 mod aggregate;
 mod interaction;
 
+use crate::bsdf::CoatTable;
 use crate::light::{FirstEmitter, Lights};
 use crate::ray::{Hit, Ray};
-use crate::scene::{Material, Scene, SceneError};
+use crate::scene::{Material, MaterialId, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
@@ -23,6 +24,8 @@ pub struct World {
     first_emitter: Vec<Option<FirstEmitter>>,
     /// Whether a material asks for ∂p/∂u.
     needs_tangents: Vec<bool>,
+    /// Tables of the rough plastics, by material.
+    coats: Vec<Option<Box<CoatTable>>>,
 }
 
 impl World {
@@ -43,7 +46,14 @@ impl World {
         let aggregate = Aggregate::new(Context { groups: &groups, ..context(&scene.shapes) }, &placements);
         let (lights, first_emitter) = Lights::new(&scene);
         let needs_tangents = (0..scene.materials.len()).map(|i| needs_tangents(&scene, i)).collect();
-        Ok(Self { scene, lights, aggregate, groups, first_emitter, needs_tangents })
+        let coat = |m: &Material| match m {
+            Material::RoughPlastic { distribution, alpha, eta, .. } => {
+                Some(Box::new(CoatTable::new(*distribution, *alpha, *eta)))
+            }
+            _ => None,
+        };
+        let coats = scene.materials.iter().map(coat).collect();
+        Ok(Self { scene, lights, aggregate, groups, first_emitter, needs_tangents, coats })
     }
 
     /// Smallest and largest corner of all surfaces; min > max without any.
@@ -63,6 +73,21 @@ impl World {
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.aggregate.occluded(self.context(), ray)
+    }
+
+    #[inline]
+    pub(crate) fn material(&self, id: MaterialId) -> &Material {
+        &self.scene.materials[id.0 as usize]
+    }
+
+    #[inline]
+    pub(crate) fn needs_tangents(&self, id: MaterialId) -> bool {
+        self.needs_tangents[id.0 as usize]
+    }
+
+    #[inline]
+    pub(crate) fn coat(&self, id: MaterialId) -> Option<&CoatTable> {
+        self.coats[id.0 as usize].as_deref()
     }
 
     fn context(&self) -> Context<'_> {

@@ -1,0 +1,85 @@
+//! A Lambertian part beside a lobe of `brdf-tables`: the models the cache has tables for.
+
+use super::{Scatter, Split, Value, mirror};
+use crate::frame::{Frame, cosine_hemisphere};
+use crate::scene::Rgb;
+use brdf_tables::brdf::{Formula, Phong, Ward};
+use core::f32::consts::{FRAC_1_PI, PI, TAU};
+use glam::{Vec2, Vec3A};
+
+/// The specular part at unit strength.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Lobe {
+    Phong(Phong),
+    Ward(Ward),
+}
+
+/// kd/π + ks · lobe.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Glossy {
+    /// kd.
+    pub diffuse: Rgb,
+    /// ks.
+    pub specular: Rgb,
+    pub lobe: Lobe,
+    /// Probability of sampling the diffuse part.
+    pub p_diffuse: f32,
+}
+
+impl Glossy {
+    pub fn new(diffuse: Rgb, specular: Rgb, lobe: Lobe) -> Self {
+        let p_diffuse = super::share(super::mean(diffuse), super::mean(specular));
+        Self { diffuse, specular, lobe, p_diffuse }
+    }
+
+    #[inline]
+    pub fn value(&self, wo: Vec3A, wi: Vec3A) -> Value {
+        let (f, pdf) = match &self.lobe {
+            // The density of the cosine lobe is f (n+1)/(n+2).
+            Lobe::Phong(m) => {
+                let f = m.f(wi.to_array(), wo.to_array());
+                let n = m.exponent as f32;
+                (f, f * ((n + 1.0) / (n + 2.0)))
+            }
+            Lobe::Ward(m) => (m.f(wi.to_array(), wo.to_array()), ward_pdf(m, wo, wi)),
+        };
+        Value {
+            f: Split { diffuse: self.diffuse * FRAC_1_PI, glossy: self.specular * f },
+            pdf: self.p_diffuse * wi.z * FRAC_1_PI + (1.0 - self.p_diffuse) * pdf,
+        }
+    }
+
+    #[inline]
+    pub fn sample(&self, wo: Vec3A, choice: f32, u: Vec2) -> Option<Scatter> {
+        if choice < self.p_diffuse {
+            return Some(Scatter::Direction(cosine_hemisphere(u)));
+        }
+        let wi = match &self.lobe {
+            Lobe::Phong(m) => {
+                let cos = u.x.powf(1.0 / (m.exponent as f32 + 1.0));
+                let sin = (1.0 - cos * cos).max(0.0).sqrt();
+                let (s, c) = (TAU * u.y).sin_cos();
+                Frame::from_normal(mirror(wo)).to_world(Vec3A::new(sin * c, sin * s, cos))
+            }
+            // Gaussian slopes of the half vector (Walter 2005, "Notes on the Ward BRDF", eq. 6 and 7).
+            Lobe::Ward(m) => {
+                let radius = (-(1.0 - u.x).ln()).sqrt();
+                let (s, c) = (TAU * u.y).sin_cos();
+                let h = Vec3A::new(m.alpha_x as f32 * radius * c, m.alpha_y as f32 * radius * s, 1.0).normalize();
+                if wo.dot(h) <= 0.0 {
+                    return None;
+                }
+                2.0 * wo.dot(h) * h - wo
+            }
+        };
+        (wi.z > 0.0).then_some(Scatter::Direction(wi))
+    }
+}
+
+/// Density of the Ward lobe's sampling (Walter 2005, eq. 9).
+fn ward_pdf(m: &Ward, wo: Vec3A, wi: Vec3A) -> f32 {
+    let Some(h) = (wi + wo).try_normalize() else { return 0.0 };
+    let (ax, ay) = (m.alpha_x as f32, m.alpha_y as f32);
+    let slope2 = ((h.x / ax).powi(2) + (h.y / ay).powi(2)) / (h.z * h.z);
+    (-slope2).exp() / (4.0 * PI * ax * ay * wo.dot(h) * h.z.powi(3))
+}
