@@ -33,6 +33,7 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
         let what = format!("triangle {i} refers to vertices {t:?}, but there are only {count}");
         return Err(FileError::new(path, what));
     }
+    check_positions(&mesh, path)?;
     if finish.face_normals {
         mesh.normals.clear();
     }
@@ -40,10 +41,7 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     if finish.flip_normals {
         mesh = mesh.flipped();
     }
-    if let Some(i) = mesh.positions.iter().position(|p| !(p.is_finite() && p.abs().max_element() <= MAX_COORDINATE)) {
-        let what = format!("vertex {i} lies at {}: not finite, or beyond {MAX_COORDINATE:e}", mesh.positions[i]);
-        return Err(FileError::new(path, what));
-    }
+    check_positions(&mesh, path)?;
     for (what, bad) in [
         ("normal", mesh.normals.iter().position(|n| !n.is_finite())),
         ("texture coordinate", mesh.uvs.iter().position(|t| !t.is_finite())),
@@ -62,6 +60,13 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
         agree_with_normals(&mut mesh);
     }
     Ok((mesh, dropped))
+}
+
+fn check_positions(mesh: &Mesh, path: &Path) -> Result<(), FileError> {
+    let usable = |p: &Vec3| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE;
+    let Some(i) = mesh.positions.iter().position(|p| !usable(p)) else { return Ok(()) };
+    let what = format!("vertex {i} lies at {}: not finite, or beyond {MAX_COORDINATE:e}", mesh.positions[i]);
+    Err(FileError::new(path, what))
 }
 
 /// (b − a) × (c − a): twice the area along the front's normal.

@@ -12,7 +12,7 @@ use std::path::Path;
 /// polygons become fans; everything else is skipped. `turn_v` puts `1 − v` in place of `v`.
 pub fn parse(bytes: &[u8], path: &Path, turn_v: bool) -> Result<Mesh, FileError> {
     let error = |e: ply_rs_bw::parser::ParseError| match e.line() {
-        Some(line) => FileError::at(path, line, e),
+        Some(line) => FileError::at(path, line, e.to_string().trim_start_matches(&format!("Line {line}: "))),
         None => FileError::new(path, e),
     };
     let mut reader = Reader::new(bytes);

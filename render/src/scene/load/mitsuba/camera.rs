@@ -2,8 +2,8 @@
 
 use super::Builder;
 use super::object::Object;
-use super::transform::similarity;
 use crate::scene::load::error::LoadError;
+use crate::scene::load::similarity::similarity;
 use crate::scene::{Camera, Crop, Film, Filter};
 use glam::{DAffine3, Vec2};
 

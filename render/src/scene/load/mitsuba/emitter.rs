@@ -3,8 +3,8 @@
 use super::Builder;
 use super::object::Object;
 use super::texture::{Transfer, rgb_texels};
-use super::transform::similarity;
 use crate::scene::load::error::LoadError;
+use crate::scene::load::similarity::similarity;
 use crate::scene::{
     AreaEmitter, Bitmap, ColorTexture, Environment, EnvironmentMap, Interpolation, Light, Rgb, Texels, Wrap,
 };

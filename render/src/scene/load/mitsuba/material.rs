@@ -1,7 +1,8 @@
 //! `bsdf`: scattering models, and models made of others.
 
 use super::Builder;
-use super::object::{Object, ObjectId};
+use super::object::Object;
+use super::objects::ObjectId;
 use super::texture::Decode;
 use crate::scene::load::color::conductor;
 use crate::scene::load::error::LoadError;

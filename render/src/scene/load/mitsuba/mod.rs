@@ -4,6 +4,7 @@ mod camera;
 mod emitter;
 mod material;
 mod object;
+mod objects;
 mod shape;
 mod texture;
 mod transform;
@@ -12,7 +13,8 @@ mod xml;
 
 use super::error::LoadError;
 use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
-use object::{Object, ObjectId, Objects};
+use object::Object;
+use objects::{ObjectId, Objects};
 use std::collections::HashMap;
 use std::path::Path;
 

@@ -1,10 +1,11 @@
 //! `shape`: elementary shapes, mesh files (parsed in parallel), groups and instances.
 
 use super::Builder;
-use super::object::{Object, ObjectId};
-use super::transform::similarity;
+use super::object::Object;
+use super::objects::ObjectId;
 use crate::scene::load::error::{FileError, LoadError, Place, read_file};
 use crate::scene::load::mesh::{Finish, finish, obj, ply, serialized};
+use crate::scene::load::similarity::similarity;
 use crate::scene::{
     AreaEmitter, ColorTexture, Geometry, Group, Instance, Material, MaterialId, Mesh, Rgb, Shape, Sphere,
 };

@@ -1,7 +1,8 @@
 //! `texture`: images, checkerboards, constants.
 
 use super::Builder;
-use super::object::{Object, ObjectId};
+use super::object::Object;
+use super::objects::ObjectId;
 use crate::scene::load::error::LoadError;
 use crate::scene::load::image::{self, Pixels, srgb_to_linear};
 use crate::scene::{Bitmap, ColorTexture, FloatTexture, Interpolation, Rgb, Texels, Texture, TextureId, Wrap};

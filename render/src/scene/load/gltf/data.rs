@@ -1,0 +1,137 @@
+//! Bytes of a glTF file: buffers, accessors, images. Read here rather than by the `gltf` crate, which trusts offsets
+//! and counts.
+
+use crate::scene::load::error::{FileError, read_file};
+use crate::scene::load::image::{self, Pixels};
+use base64::Engine;
+use gltf::accessor::{DataType, Dimensions};
+use gltf::{Accessor, Document, buffer, image as gltf_image};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// Larger buffers are refused.
+const MAX_FILE: u64 = 1 << 33;
+
+/// A glTF file with its buffers.
+pub struct Data<'a> {
+    pub path: &'a Path,
+    buffers: Vec<Vec<u8>>,
+}
+
+impl<'a> Data<'a> {
+    /// Reads all buffers; `blob` is the binary chunk of a GLB file.
+    pub fn new(path: &'a Path, document: &Document, mut blob: Option<Vec<u8>>) -> Result<Self, FileError> {
+        let mut buffers = Vec::new();
+        for buffer in document.buffers() {
+            let error = |what: String| FileError::new(path, format_args!("buffer {}: {what}", buffer.index()));
+            let bytes = match buffer.source() {
+                buffer::Source::Bin => blob.take().ok_or_else(|| error("the binary chunk is missing".into()))?,
+                buffer::Source::Uri(uri) => fetch(path, uri)?.into_owned(),
+            };
+            if bytes.len() < buffer.length() {
+                return Err(error(format!("{} bytes, but {} are promised", bytes.len(), buffer.length())));
+            }
+            buffers.push(bytes);
+        }
+        Ok(Self { path, buffers })
+    }
+
+    /// An error about this file.
+    pub fn error(&self, what: impl std::fmt::Display) -> FileError {
+        FileError::new(self.path, what)
+    }
+
+    fn view(&self, view: &buffer::View) -> Result<&[u8], FileError> {
+        let end = view.offset().checked_add(view.length());
+        let bytes = end.and_then(|end| self.buffers[view.buffer().index()].get(view.offset()..end));
+        bytes.ok_or_else(|| self.error(format_args!("buffer view {} leaves its buffer", view.index())))
+    }
+
+    /// The elements of an accessor, each as its bytes.
+    fn elements(&self, accessor: &Accessor) -> Result<impl Iterator<Item = &[u8]>, FileError> {
+        let error = |what: &str| self.error(format_args!("accessor {}: {what}", accessor.index()));
+        if accessor.sparse().is_some() {
+            return Err(error("sparse accessors are not supported"));
+        }
+        let view = accessor.view().ok_or_else(|| error("an accessor without data"))?;
+        let bytes = self.view(&view)?;
+        let (size, count) = (accessor.size(), accessor.count());
+        let stride = view.stride().unwrap_or(size);
+        let end = count.saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(accessor.offset() + size));
+        if count == 0 || stride < size || end.is_none_or(|end| end > bytes.len()) {
+            return Err(error("its elements leave their buffer view"));
+        }
+        let start = accessor.offset();
+        Ok((0..count).map(move |i| &bytes[start + i * stride..][..size]))
+    }
+
+    /// Vectors of `N` numbers; integers are normalised.
+    pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>, FileError> {
+        let error = || self.error(format_args!("accessor {}: {N} numbers per element are needed", accessor.index()));
+        let components = match accessor.dimensions() {
+            Dimensions::Vec2 => 2,
+            Dimensions::Vec3 => 3,
+            _ => 0,
+        };
+        let width = accessor.data_type().size();
+        let number: fn(&[u8]) -> f32 = match accessor.data_type() {
+            DataType::F32 => |b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+            DataType::U8 => |b| f32::from(b[0]) / 255.0,
+            DataType::U16 => |b| f32::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
+            _ => return Err(error()),
+        };
+        if components != N {
+            return Err(error());
+        }
+        let elements = self.elements(accessor)?;
+        Ok(elements.map(|e| std::array::from_fn(|i| number(&e[i * width..]))).collect())
+    }
+
+    /// Vertex indices.
+    pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, FileError> {
+        let index: fn(&[u8]) -> u32 = match (accessor.dimensions(), accessor.data_type()) {
+            (Dimensions::Scalar, DataType::U8) => |b| b[0].into(),
+            (Dimensions::Scalar, DataType::U16) => |b| u16::from_le_bytes([b[0], b[1]]).into(),
+            (Dimensions::Scalar, DataType::U32) => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+            _ => return Err(self.error(format_args!("accessor {}: no vertex indices", accessor.index()))),
+        };
+        Ok(self.elements(accessor)?.map(index).collect())
+    }
+
+    /// Decodes an image.
+    pub fn image(&self, image: &gltf_image::Image) -> Result<Pixels, FileError> {
+        match image.source() {
+            gltf_image::Source::View { view, .. } => {
+                let name = format!("{} (image {})", self.path.display(), image.index());
+                image::decode(self.view(&view)?, Path::new(&name))
+            }
+            gltf_image::Source::Uri { uri, .. } if uri.starts_with("data:") => {
+                let name = format!("{} (image {})", self.path.display(), image.index());
+                image::decode(&fetch(self.path, uri)?, Path::new(&name))
+            }
+            gltf_image::Source::Uri { uri, .. } => image::read(&beside(self.path, uri)),
+        }
+    }
+}
+
+/// Content of a `data:` URI, or of a file beside the scene.
+fn fetch<'u>(path: &Path, uri: &'u str) -> Result<Cow<'u, [u8]>, FileError> {
+    let Some(data) = uri.strip_prefix("data:") else { return read_file(&beside(path, uri), MAX_FILE).map(Cow::Owned) };
+    let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
+    let encoded = encoded.ok_or_else(|| FileError::new(path, "a data URI that is not base64"))?;
+    let bytes = base64::engine::general_purpose::STANDARD.decode(encoded);
+    bytes.map(Cow::Owned).map_err(|e| FileError::new(path, format_args!("a data URI: {e}")))
+}
+
+/// Path of a relative URI, its `%20` and the like undone.
+fn beside(path: &Path, uri: &str) -> PathBuf {
+    let mut bytes = Vec::new();
+    let mut rest = uri.as_bytes();
+    while let Some((&first, tail)) = rest.split_first() {
+        let code = (first == b'%').then(|| tail.get(..2)).flatten();
+        let code = code.and_then(|hex| str::from_utf8(hex).ok()).and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        bytes.push(code.unwrap_or(first));
+        rest = if code.is_some() { &tail[2..] } else { tail };
+    }
+    path.parent().unwrap_or(Path::new("")).join(String::from_utf8_lossy(&bytes).as_ref())
+}

@@ -1,0 +1,117 @@
+//! Sensor, film, filter, sampler, integrator.
+
+use crate::{Folder, Loaded};
+use render::scene::{Crop, Filter};
+
+fn sensor(body: &str) -> Loaded {
+    let text = format!("<scene version='3.0.0'>\n<sensor type='perspective'>{body}</sensor></scene>");
+    Folder::new().with("scene.xml", text).load("scene.xml", &[])
+}
+
+fn fov_x(axis: &str, width: u32, height: u32) -> f32 {
+    let film = format!(
+        "<film type='hdrfilm'><integer name='width' value='{width}'/><integer name='height' value='{height}'/></film>"
+    );
+    let axis = format!("<float name='fov' value='60'/><string name='fov_axis' value='{axis}'/>{film}");
+    sensor(&axis).unwrap().0.camera.fov_x.to_degrees()
+}
+
+#[test]
+fn every_axis_of_the_field_of_view() {
+    let of_height = |aspect: f32| 2.0 * (aspect * 30f32.to_radians().tan()).atan().to_degrees();
+    let of_diagonal = |aspect: f32| {
+        let half_diagonal = 30f32.to_radians().tan();
+        2.0 * (half_diagonal * aspect / (1.0 + aspect * aspect).sqrt()).atan().to_degrees()
+    };
+    for (axis, width, height, expected) in [
+        ("x", 400, 200, 60.0),
+        ("y", 400, 200, of_height(2.0)),
+        ("smaller", 400, 200, of_height(2.0)),
+        ("smaller", 200, 400, 60.0),
+        ("larger", 400, 200, 60.0),
+        ("larger", 200, 400, of_height(0.5)),
+        ("diagonal", 400, 200, of_diagonal(2.0)),
+    ] {
+        let got = fov_x(axis, width, height);
+        assert!((got - expected).abs() < 1e-3, "{axis} {width}×{height}: {got}, not {expected}");
+    }
+    // A 50 mm lens on 36 mm × 24 mm film, cut to a square picture.
+    let square = "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/></film>";
+    let normal = sensor(square).unwrap().0.camera.fov_x.to_degrees();
+    let expected = 2.0 * (0.5 * 36f32.hypot(24.0) / 50.0 / 2f32.sqrt()).atan().to_degrees();
+    assert!((normal - expected).abs() < 1e-3);
+    let tele = sensor(&format!("<string name='focal_length' value='100mm'/>{square}")).unwrap().0.camera.fov_x;
+    assert!(tele < 0.55 * normal.to_radians());
+}
+
+#[test]
+fn film_crop_and_filter() {
+    let film = "<film type='hdrfilm'><integer name='width' value='100'/><integer name='height' value='50'/>
+        <integer name='crop_offset_x' value='10'/><integer name='crop_offset_y' value='20'/>
+        <integer name='crop_width' value='30'/><integer name='crop_height' value='5'/>
+        <string name='pixel_format' value='rgba'/><string name='component_format' value='float32'/>
+        <rfilter type='tent'><float name='radius' value='1.5'/></rfilter></film>";
+    let (scene, warnings) = sensor(film).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!(scene.camera.film.crop, Some(Crop { x: 10, y: 20, width: 30, height: 5 }));
+    assert_eq!(scene.camera.film.filter, Filter::Tent { radius: 1.5 });
+    for (filter, expected) in [
+        ("box", Filter::Box { radius: 0.5 }),
+        ("gaussian", Filter::Gaussian { stddev: 0.5 }),
+        ("lanczos", Filter::Gaussian { stddev: 0.5 }),
+    ] {
+        let (scene, warnings) = sensor(&format!("<film type='hdrfilm'><rfilter type='{filter}'/></film>")).unwrap();
+        assert_eq!((scene.camera.film.filter, warnings.len()), (expected, usize::from(filter == "lanczos")));
+    }
+    let outside = film.replace("'30'", "'91'");
+    assert!(sensor(&outside).unwrap_err().contains("in a film of 100 × 50"));
+    assert!(sensor("<film type='hdrfilm'><integer name='width' value='0'/></film>").is_err());
+    assert!(sensor("<film type='hdrfilm'><integer name='width' value='4000000000'/></film>").is_err());
+    let luminance = "<film type='hdrfilm'><string name='pixel_format' value='luminance'/></film>";
+    assert!(sensor(luminance).unwrap().1[0].contains("pixel format `luminance`: the picture is written as rgb"));
+}
+
+#[test]
+fn placement_loses_its_scale_and_may_mirror() {
+    let at = |operations: &str| sensor(&format!("<transform name='to_world'>{operations}</transform>"));
+    let camera = at("<scale value='5'/><translate z='3'/>").unwrap().0.camera;
+    assert!((camera.to_world.matrix3.determinant() - 1.0).abs() < 1e-5 && camera.to_world.translation.z == 3.0);
+    let mirrored = at("<scale x='-1'/>").unwrap().0.camera;
+    assert!((mirrored.to_world.matrix3.determinant() + 1.0).abs() < 1e-5);
+    assert!(at("<scale x='2'/>").unwrap_err().contains("distorts"));
+}
+
+#[test]
+fn settings_of_integrator_and_sampler() {
+    let text = "<scene version='0.5.0'><integrator type='path'><integer name='maxDepth' value='7'/>
+        <integer name='rrDepth' value='3'/><boolean name='hideEmitters' value='true'/></integrator>
+        <sensor type='perspective'><sampler type='ldsampler'><integer name='sampleCount' value='99'/></sampler></sensor></scene>";
+    let (scene, warnings) = Folder::new().with("s.xml", text).load("s.xml", &[]).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let i = scene.integrator;
+    assert_eq!((i.max_depth, i.rr_depth, i.hide_emitters, i.spp), (7, 3, true, 99));
+    let endless = text.replace("'7'", "'-1'");
+    assert_eq!(Folder::new().with("s.xml", endless).load("s.xml", &[]).unwrap().0.integrator.max_depth, u32::MAX);
+    let wrong = text.replace("'7'", "'-2'");
+    assert!(Folder::new().with("s.xml", wrong).load("s.xml", &[]).unwrap_err().contains("`max_depth` must be"));
+    let other = text.replace("'path'", "'ppm'");
+    let (_, warnings) = Folder::new().with("s.xml", other).load("s.xml", &[]).unwrap();
+    assert!(warnings[0].contains("`ppm` is not known: path tracing is used"), "{warnings:?}");
+}
+
+#[test]
+fn wrong_sensors_are_refused() {
+    for (body, what) in [
+        ("<float name='fov' value='180'/>", "180 degrees"),
+        ("<string name='fov_axis' value='z'/><float name='fov' value='18'/>", "`z`"),
+        ("<string name='focal_length' value='-5mm'/>", "focal length"),
+        ("<film type='hdrfilm'><rfilter type='box'><float name='radius' value='1e9'/></rfilter></film>", "filter"),
+        ("<float name='near_clip' value='5'/><float name='far_clip' value='1'/>", "clip"),
+    ] {
+        let e = sensor(body).unwrap_err();
+        assert!(e.contains(what), "{e}");
+    }
+    let fisheye = "<scene version='3.0.0'>\n <sensor type='fisheye'/></scene>";
+    let e = Folder::new().with("s.xml", fisheye).load("s.xml", &[]).unwrap_err();
+    assert_eq!(e, "s.xml:2:2: <sensor type=\"fisheye\">: the sensor `fisheye` is not supported (only `perspective`)");
+}
