@@ -1,0 +1,36 @@
+//! The command line: arguments, and one file per command.
+
+mod compare;
+mod image;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Renders glossy global illumination.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene.
+    Image(image::Args),
+    /// Measure how far a picture is from its reference.
+    Compare(compare::Args),
+}
+
+/// Runs the command; 0 done, 1 a check failed, 2 bad input or usage.
+pub fn run() -> ExitCode {
+    let result: Result<ExitCode> = match Cli::parse().command {
+        Command::Image(args) => image::run(&args),
+        Command::Compare(args) => compare::run(&args),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("render: {error:#}");
+        ExitCode::from(2)
+    })
+}

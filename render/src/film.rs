@@ -1,0 +1,146 @@
+//! From an integrator to a picture: passes over all pixels in parallel until a budget is spent.
+
+use crate::camera::RayGenerator;
+use crate::integrator::{Integrator, Radiance};
+use crate::sampler::Sampler;
+use crate::world::World;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// After this many samples per pixel.
+    Samples(u32),
+    /// Before this much time has passed, but not before one sample per pixel.
+    Time(Duration),
+    /// When the root of the estimated relative mean square error (see [`Picture::relative_error`]) is at most this.
+    Error(f32),
+}
+
+/// Sums over the samples of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pixel {
+    /// Everything, summed; distances are depths along the camera's axis.
+    pub sum: Radiance,
+    /// Sum of the squares of the samples' mean channel.
+    pub squares: f32,
+    /// Number of samples that met a surface.
+    pub surfaces: u32,
+}
+
+/// A rendering.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row by row from the top.
+    pub pixels: Vec<Pixel>,
+    /// Samples of every pixel.
+    pub spp: u32,
+    /// Rays traced.
+    pub rays: u64,
+}
+
+/// Samples per pixel of one pass, at most: often enough to look at the clock, seldom enough to cost nothing.
+const PASS: u32 = 16;
+
+/// No budget buys more samples: the sampler's index would pass the precision of a sum in f32.
+const MAX_SPP: u32 = 1 << 22;
+
+/// Samples from which on the variance is trusted.
+const MIN_SPP_FOR_ERROR: u32 = 16;
+
+/// Renders the world through its camera. `progress` is told the share of the work done, from several threads.
+pub fn render(
+    world: &World,
+    integrator: &dyn Integrator,
+    budget: Budget,
+    seed: u64,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Picture {
+    let camera = RayGenerator::new(&world.scene.camera);
+    let window = world.scene.camera.film.window();
+    let count = window.width as usize * window.height as usize;
+    let mut picture =
+        Picture { width: window.width, height: window.height, pixels: vec![Pixel::default(); count], spp: 0, rays: 0 };
+    let start = Instant::now();
+    loop {
+        let (pass, end) = match next_pass(&picture, budget, start) {
+            Some(next) => next,
+            None => return picture,
+        };
+        let (from, to) = (picture.spp, picture.spp + pass);
+        let rows = AtomicU64::new(0);
+        picture.pixels.par_chunks_mut(window.width as usize).enumerate().for_each(|(y, row)| {
+            let y = window.y + y as u32;
+            for (x, pixel) in row.iter_mut().enumerate() {
+                let x = window.x + x as u32;
+                for index in from..to {
+                    let mut sampler = Sampler::new(seed, (x, y), index);
+                    let ray = camera.ray(x, y, sampler.next_2d());
+                    let mut sample = integrator.radiance(world, ray, &mut sampler).finite();
+                    if sample.distance > 0.0 {
+                        sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
+                        pixel.surfaces += 1;
+                    }
+                    pixel.squares += (sample.sum().element_sum() * (1.0 / 3.0)).powi(2);
+                    pixel.sum += sample;
+                }
+            }
+            let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
+            if let Some(end) = end {
+                let part = done as f64 / f64::from(window.height);
+                progress((f64::from(from) + part * f64::from(pass)) / end);
+            }
+        });
+        picture.spp = to;
+        // Ray counts are moved to 64 bits before they overflow.
+        picture.rays += picture.pixels.iter_mut().map(|p| u64::from(core::mem::take(&mut p.sum.rays))).sum::<u64>();
+        if let Budget::Error(target) = budget {
+            // The squared error falls with the number of samples.
+            progress(f64::from(target / picture.relative_error()).powi(2).clamp(0.0, 1.0));
+        }
+    }
+}
+
+/// Samples of the next pass and, where known, of the whole rendering; `None` when the budget is spent.
+fn next_pass(picture: &Picture, budget: Budget, start: Instant) -> Option<(u32, Option<f64>)> {
+    let room = PASS.min(MAX_SPP - picture.spp);
+    let (pass, end) = match budget {
+        Budget::Samples(n) => (room.min(n.saturating_sub(picture.spp)), Some(f64::from(n))),
+        Budget::Error(target) => {
+            let done = picture.spp >= MIN_SPP_FOR_ERROR && picture.relative_error() <= target;
+            (if done { 0 } else { room }, None)
+        }
+        Budget::Time(_) if picture.spp == 0 => (1, None),
+        Budget::Time(limit) => {
+            let spent = start.elapsed().as_secs_f64();
+            let per_sample = spent / f64::from(picture.spp);
+            let left = limit.as_secs_f64() - spent;
+            // Half of what seems possible at a time, so that a wrong guess can be mended.
+            let affordable = (left / per_sample).floor();
+            let pass = if affordable < 2.0 { affordable } else { (affordable / 2.0).ceil() };
+            ((pass.max(0.0) as u32).min(room), Some(f64::from(picture.spp) + affordable.max(1.0)))
+        }
+    };
+    (pass > 0).then_some((pass, end))
+}
+
+impl Picture {
+    /// Root of the mean over the pixels of (variance of the pixel's mean)/(mean² + 0.01), in the mean of the channels.
+    /// The variance is that of independent samples, so well distributed ones have less error than this says.
+    pub fn relative_error(&self) -> f32 {
+        let n = self.spp as f32;
+        let of_pixel = |p: &Pixel| {
+            let mean = p.sum.sum().element_sum() / (3.0 * n);
+            let variance = (p.squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0);
+            f64::from(variance / (mean * mean + 0.01))
+        };
+        let sum: f64 = self.pixels.iter().map(of_pixel).sum();
+        (sum / self.pixels.len().max(1) as f64).sqrt() as f32
+    }
+}

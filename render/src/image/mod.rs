@@ -1,0 +1,55 @@
+//! Pictures in memory and in files.
+
+mod read;
+mod write;
+
+use thiserror::Error;
+
+pub use read::read;
+pub use write::{write_picture, write_png};
+
+/// Linear RGB, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width · height` pixels.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Why a picture could not be read or written.
+#[derive(Debug, Error)]
+pub enum ImageError {
+    /// The file system said no.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: String,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// The content is broken or too large.
+    #[error("{path}: {reason}")]
+    Content {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Neither EXR nor PNG (nor HDR, when reading).
+    #[error("{0}: the name must end in {1}")]
+    Extension(String, &'static str),
+}
+
+/// Linear value to the sRGB curve, clamped to [0, 1].
+pub fn to_srgb(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of [`to_srgb`].
+pub fn from_srgb(x: f32) -> f32 {
+    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}

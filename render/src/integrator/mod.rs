@@ -1,0 +1,66 @@
+//! Estimators of the radiance along a ray.
+
+mod path;
+mod simple;
+
+use crate::bsdf::Split;
+use crate::ray::Ray;
+use crate::sampler::Sampler;
+use crate::scene::Rgb;
+use crate::world::World;
+use core::ops::AddAssign;
+use glam::Vec3A;
+pub use path::PathTracer;
+pub use simple::SimplePathTracer;
+
+/// Radiance along a ray, by the way the light took, and what the ray meets first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Radiance {
+    /// From emitters the ray itself meets.
+    pub emission: Rgb,
+    /// From emitters, scattered once; by the part of the first surface that scattered it.
+    pub direct: Split,
+    /// Scattered more than once; by the part of the first surface.
+    pub indirect: Split,
+    /// Reflectance of the first surface.
+    pub albedo: Rgb,
+    /// Unit shading normal of the first surface, towards the eye; zero without surface.
+    pub normal: Vec3A,
+    /// Distance to the first surface; 0 without surface.
+    pub distance: f32,
+    /// Number of rays traced.
+    pub rays: u32,
+}
+
+impl Radiance {
+    /// Light of all ways.
+    #[inline]
+    pub fn sum(&self) -> Rgb {
+        self.emission + self.direct.sum() + self.indirect.sum()
+    }
+
+    /// The same without what is not a finite number: nothing of a broken sample enters a picture.
+    #[inline]
+    pub fn finite(self) -> Self {
+        if self.sum().is_finite() { self } else { Self { rays: self.rays, ..Self::default() } }
+    }
+}
+
+impl AddAssign for Radiance {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        self.emission += other.emission;
+        self.direct = self.direct + other.direct;
+        self.indirect = self.indirect + other.indirect;
+        self.albedo += other.albedo;
+        self.normal += other.normal;
+        self.distance += other.distance;
+        self.rays += other.rays;
+    }
+}
+
+/// An estimator of incident radiance: right on average, whatever the sampler's seed.
+pub trait Integrator: Sync {
+    /// Estimates the radiance that arrives at the origin of `ray` against its (unit) direction.
+    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance;
+}

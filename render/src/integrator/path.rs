@@ -1,0 +1,202 @@
+//! The path tracer: the truth the caches are judged by, their rival, and the engine that fills them.
+
+use super::{Integrator, Radiance};
+use crate::bsdf::{Bsdf, Split};
+use crate::light::{Receiver, Target};
+use crate::ray::{Hit, Ray};
+use crate::sampler::Sampler;
+use crate::scene::{IntegratorSettings, Rgb};
+use crate::world::{Interaction, World};
+
+/// Unidirectional path tracing with next-event estimation, combined with the sampling of the BSDF by the power heuristic
+/// (Veach 1997), and Russian roulette.
+#[derive(Clone, Copy, Debug)]
+pub struct PathTracer {
+    /// Path length and roulette.
+    pub settings: IntegratorSettings,
+    /// Whether light that is scattered less than twice is left out.
+    pub indirect_only: bool,
+}
+
+/// Weight of a sample of density `a` when density `b` could have found it too.
+#[inline]
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    let (a2, b2) = (a * a, b * b);
+    if a2.is_infinite() { 1.0 } else { a2 / (a2 + b2) }
+}
+
+/// Where the path came from, for the weight of an emitter it meets.
+#[derive(Clone, Copy)]
+struct Previous {
+    receiver: Receiver,
+    /// Density of the path's direction in sr⁻¹.
+    pdf: f32,
+}
+
+/// A path under construction.
+struct Path {
+    out: Radiance,
+    throughput: Rgb,
+    /// Part of the throughput that the first surface's diffuse part has.
+    diffuse_share: Rgb,
+    /// Product of the factors of the index of refraction.
+    eta: f32,
+    /// `None` from the eye or a perfectly specular surface: emitters count fully.
+    previous: Option<Previous>,
+}
+
+impl Path {
+    /// Adds light that arrives after `segments` segments, already times the throughput.
+    #[inline]
+    fn add(&mut self, segments: u32, light: Rgb) {
+        let split = Split { diffuse: light * self.diffuse_share, glossy: light * (Rgb::ONE - self.diffuse_share) };
+        match segments {
+            1 => self.out.emission += light,
+            2 => self.out.direct = self.out.direct + split,
+            _ => self.out.indirect = self.out.indirect + split,
+        }
+    }
+}
+
+impl Integrator for PathTracer {
+    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance {
+        let mut path =
+            Path { out: Radiance::default(), throughput: Rgb::ONE, diffuse_share: Rgb::ZERO, eta: 1.0, previous: None };
+        let mut ray = ray;
+        let mut segments = 0;
+        while segments < self.settings.max_depth {
+            segments += 1;
+            // Follow the ray, and add what it meets that shines.
+            let hit = world.intersect(&ray);
+            path.out.rays += 1;
+            let hidden = segments == 1 && self.settings.hide_emitters;
+            let counts = !hidden && (segments > 2 || !self.indirect_only);
+            if !hit.exists() {
+                if counts {
+                    let light = environment(world, &ray, &path);
+                    path.add(segments, light);
+                }
+                break;
+            }
+            let at = world.interaction(&ray, &hit);
+            if let Some(emitter) = at.emitter
+                && counts
+            {
+                let light = emission(world, &at, emitter, &path);
+                path.add(segments, light);
+            }
+            if segments == self.settings.max_depth {
+                if segments == 1 {
+                    note_surface(&mut path.out, &at, &world.bsdf(&at), &hit);
+                }
+                break;
+            }
+            let bsdf = world.bsdf(&at);
+            if segments == 1 {
+                note_surface(&mut path.out, &at, &bsdf, &hit);
+            }
+            // Sample the lights.
+            let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
+            let choice = sampler.next_2d();
+            if !bsdf.is_delta() && (segments > 1 || !self.indirect_only) {
+                sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, sampler, &mut path);
+            }
+            // Sample the scattering, and go on.
+            let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
+            let weight = sample.weight.sum();
+            if segments == 1 {
+                path.diffuse_share = (sample.weight.diffuse / weight.max(Rgb::splat(f32::MIN_POSITIVE))).min(Rgb::ONE);
+            }
+            path.throughput *= weight;
+            path.eta *= sample.eta;
+            path.previous = (!sample.is_delta()).then_some(Previous { receiver, pdf: sample.pdf });
+            // Russian roulette on what the path can still carry.
+            let mut survival = path.throughput.max_element();
+            if segments >= self.settings.rr_depth {
+                survival = (survival * path.eta * path.eta).min(0.95);
+                if sampler.next_1d() >= survival {
+                    break;
+                }
+                path.throughput /= survival;
+            }
+            if survival <= 0.0 {
+                break;
+            }
+            ray = at.spawn(sample.wi);
+        }
+        path.out
+    }
+}
+
+/// Albedo, normal and distance of the first surface.
+fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
+    out.albedo = bsdf.albedo();
+    let n = bsdf.normal();
+    out.normal = if n.dot(at.wo) < 0.0 { -n } else { n };
+    out.distance = hit.t;
+}
+
+/// Light from infinity along a ray that meets nothing.
+#[inline]
+fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
+    let light = world.lights.environment(ray.direction) * path.throughput;
+    match &path.previous {
+        Some(p) if light != Rgb::ZERO => {
+            light * power_heuristic(p.pdf, world.lights.environment_pdf(&p.receiver, ray.direction))
+        }
+        _ => light,
+    }
+}
+
+/// Light of an emitter the path meets.
+#[inline]
+fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
+    let cos = at.normal.dot(at.wo);
+    if cos <= 0.0 {
+        return Rgb::ZERO;
+    }
+    let light = world.lights.emitted(&world.scene.textures, emitter, at.uv) * path.throughput;
+    match &path.previous {
+        Some(p) => {
+            let distance = (at.p - p.receiver.p).length();
+            light * power_heuristic(p.pdf, world.lights.pdf(&p.receiver, emitter, distance, cos))
+        }
+        None => light,
+    }
+}
+
+/// Light of one sampled emitter, if it is in sight.
+#[inline]
+#[allow(clippy::too_many_arguments)]
+fn sample_lights(
+    world: &World,
+    at: &Interaction,
+    bsdf: &Bsdf,
+    receiver: &Receiver,
+    segments: u32,
+    choice: f32,
+    sampler: &mut Sampler,
+    path: &mut Path,
+) {
+    let u = sampler.next_2d();
+    let Some(light) = world.lights.sample(&world.scene.textures, receiver, choice, u) else { return };
+    let value = bsdf.eval(light.wi);
+    let mis = if light.delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
+    let reflected = value.f * (light.radiance * path.throughput * (bsdf.abs_cos(light.wi) * mis / light.pdf));
+    if reflected.sum().max_element() <= 0.0 {
+        return;
+    }
+    let shadow = match light.target {
+        Target::Point(p) => at.spawn_to(p),
+        Target::Direction(d) => at.spawn(d),
+    };
+    path.out.rays += 1;
+    if world.occluded(&shadow) {
+        return;
+    }
+    if segments == 1 {
+        path.out.direct = path.out.direct + reflected;
+    } else {
+        path.add(segments + 1, reflected.sum());
+    }
+}

@@ -1,0 +1,76 @@
+//! The path tracer's readable twin: what it computes is plain to see, and the tests hold the real one to it.
+
+use super::{Integrator, Radiance};
+use crate::light::{Receiver, Target};
+use crate::ray::Ray;
+use crate::sampler::Sampler;
+use crate::scene::Rgb;
+use crate::world::World;
+
+/// Path tracing by the rendering equation alone: one light, all being equally likely, at every surface that is not
+/// perfectly specular; one direction from the BSDF; emitters met by chance count only where light sampling cannot find
+/// them. No multiple importance sampling, no roulette, no layers: all light is in `Radiance::emission`.
+#[derive(Clone, Copy, Debug)]
+pub struct SimplePathTracer {
+    /// Largest number of path segments.
+    pub max_depth: u32,
+}
+
+impl Integrator for SimplePathTracer {
+    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance {
+        let (lights, textures) = (&world.lights, &world.scene.textures[..]);
+        let (mut radiance, mut throughput) = (Rgb::ZERO, Rgb::ONE);
+        let mut ray = ray;
+        let mut specular = true;
+        for depth in 1..=self.max_depth {
+            // Intersect the ray with the scene; add the environment where it leaves.
+            let hit = world.intersect(&ray);
+            if !hit.exists() {
+                if specular {
+                    radiance += throughput * lights.environment(ray.direction);
+                }
+                break;
+            }
+            let at = world.interaction(&ray, &hit);
+
+            // Add emission that the last surface could not sample.
+            if let Some(emitter) = at.emitter
+                && specular
+                && at.normal.dot(at.wo) > 0.0
+            {
+                radiance += throughput * lights.emitted(textures, emitter, at.uv);
+            }
+            if depth == self.max_depth {
+                break;
+            }
+            let bsdf = world.bsdf(&at);
+
+            // Sample direct light from one of all lights.
+            specular = bsdf.is_delta();
+            let choice = sampler.next_2d();
+            let u = sampler.next_2d();
+            let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
+            let (index, probability) = ((choice.x * lights.count() as f32) as usize, 1.0 / lights.count() as f32);
+            if !specular
+                && !lights.is_empty()
+                && let Some(light) = lights.sample_one(textures, &receiver, index, probability, u)
+            {
+                let shadow = match light.target {
+                    Target::Point(p) => at.spawn_to(p),
+                    Target::Direction(d) => at.spawn(d),
+                };
+                if !world.occluded(&shadow) {
+                    let f = bsdf.eval(light.wi).f.sum() * bsdf.abs_cos(light.wi);
+                    radiance += throughput * f * light.radiance / light.pdf;
+                }
+            }
+
+            // Sample the BSDF for the next direction.
+            let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
+            specular = sample.is_delta();
+            throughput *= sample.weight.sum();
+            ray = at.spawn(sample.wi);
+        }
+        Radiance { emission: radiance, ..Radiance::default() }
+    }
+}
