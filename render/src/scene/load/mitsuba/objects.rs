@@ -15,8 +15,7 @@ pub type ObjectId = usize;
 /// All plugins of a scene; the last one is the scene itself.
 pub struct Objects {
     list: Vec<Object>,
-    /// Folders for file names.
-    pub folders: Vec<PathBuf>,
+    folders: Vec<PathBuf>,
     /// Whether the file is of version 0.x.
     pub legacy: bool,
 }
@@ -54,9 +53,9 @@ impl Objects {
         self.list.len() - 1
     }
 
-    /// Path of a file that the scene names.
-    pub fn path(&self, name: &str) -> PathBuf {
-        resolve(&self.folders, Path::new(name))
+    /// Path of a file that an object names.
+    pub fn path(&self, object: &Object, name: &str) -> PathBuf {
+        resolve(&self.folders, &object.place.file, Path::new(name))
     }
 
     fn add<'a>(
@@ -114,7 +113,7 @@ impl Objects {
                     legacy: self.legacy,
                     unbounded: matches!(name, "eta" | "k"),
                 };
-                let color = value::color(element, context, |name| resolve(&self.folders, name))?;
+                let color = value::color(element, context, |name| resolve(&self.folders, &element.place.file, name))?;
                 if color.min_element() < 0.0 || !color.is_finite() {
                     return Err(element.error(format!("a colour is not negative, but this is {color}")));
                 }

@@ -181,7 +181,7 @@ fn source(builder: &Builder, object: &Object, files: &mut HashMap<PathBuf, Arc<V
         "serialized" => Format::Serialized { index: object.count_or("shape_index", 0)? as usize },
         other => return Err(object.error(format!("the shape `{other}` is not supported"))),
     };
-    let path = builder.objects.path(object.require_text("filename")?);
+    let path = builder.objects.path(object, object.require_text("filename")?);
     let bytes = match files.get(&path) {
         Some(bytes) => bytes.clone(),
         None => {

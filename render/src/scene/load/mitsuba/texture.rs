@@ -217,7 +217,7 @@ impl Builder<'_> {
     /// An image file named by `object`.
     pub(super) fn read_image(&self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
         let error = |source| LoadError::Asset { place: object.place.clone(), source };
-        image::read(&self.objects.path(name)).map_err(error)
+        image::read(&self.objects.path(object, name)).map_err(error)
     }
 }
 

@@ -129,8 +129,7 @@ impl Reader {
 
     fn include(&mut self, element: &Element, source: &Source) -> Result<Element, LoadError> {
         let name = Path::new(element.require("filename")?);
-        let beside = source.folder().join(name);
-        let path = if beside.exists() { beside } else { resolve(&self.folders, name) };
+        let path = resolve(&self.folders, &source.file, name);
         self.includes += 1;
         if self.includes > MAX_INCLUDES {
             return Err(element.error(format!("more than {MAX_INCLUDES} files included")));
@@ -167,9 +166,12 @@ impl Reader {
     }
 }
 
-/// The first folder that holds `name`, or the first of all so that the error names a sensible path.
-pub fn resolve(folders: &[PathBuf], name: &Path) -> PathBuf {
-    folders.iter().map(|f| f.join(name)).find(|p| p.exists()).unwrap_or_else(|| folders[0].join(name))
+/// `name` in the first of `folders` that holds it, or beside `file`, where it is named; the first folder if it is
+/// nowhere, so that the error names a sensible path.
+pub fn resolve(folders: &[PathBuf], file: &Path, name: &Path) -> PathBuf {
+    let beside = file.parent().map(Path::to_path_buf);
+    let mut candidates = folders.iter().chain(&beside).map(|f| f.join(name));
+    candidates.find(|p| p.exists()).unwrap_or_else(|| folders[0].join(name))
 }
 
 struct Source<'a> {
