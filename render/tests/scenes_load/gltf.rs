@@ -5,6 +5,7 @@ use base64::Engine;
 use glam::Vec3A;
 use render::scene::*;
 use serde_json::{Value, json};
+use std::f32::consts::FRAC_1_SQRT_2 as HALF;
 
 /// Two triangles with normals and texture coordinates: 4 × 12, 4 × 12, 4 × 8 bytes, 6 × 2 bytes of indices.
 fn buffer() -> Vec<u8> {
@@ -46,10 +47,10 @@ fn document() -> Value {
         "nodes": [
             {"mesh": 0},
             {"mesh": 0, "translation": [0, 0, -5], "scale": [2, 2, 2]},
-            {"mesh": 1, "translation": [0, 3, 0], "rotation": [0.7071068, 0, 0, 0.7071068]},
+            {"mesh": 1, "translation": [0, 3, 0], "rotation": [HALF, 0, 0, HALF]},
             {"camera": 0, "translation": [0, 0, 10]},
             {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}},
-            {"rotation": [-0.7071068, 0, 0, 0.7071068], "extensions": {"KHR_lights_punctual": {"light": 1}}},
+            {"rotation": [-HALF, 0, 0, HALF], "extensions": {"KHR_lights_punctual": {"light": 1}}},
             {"extensions": {"KHR_lights_punctual": {"light": 2}}},
         ],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.6, "aspectRatio": 1.5, "znear": 0.1, "zfar": 100}}],
