@@ -4,6 +4,7 @@ use crate::camera::RayGenerator;
 use crate::integrator::{Integrator, Radiance};
 use crate::sampler::Sampler;
 use crate::world::World;
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -55,9 +56,9 @@ const MAX_SPP: u32 = 1 << 22;
 const MIN_SPP_FOR_ERROR: u32 = 16;
 
 /// Renders the world through its camera. `progress` is told the share of the work done, from several threads.
-pub fn render(
+pub fn render<I: Integrator>(
     world: &World,
-    integrator: &dyn Integrator,
+    integrator: &I,
     budget: Budget,
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
@@ -68,6 +69,7 @@ pub fn render(
     let mut picture =
         Picture { width: window.width, height: window.height, pixels: vec![Pixel::default(); count], spp: 0, rays: 0 };
     let start = Instant::now();
+    let level = Level::new();
     loop {
         let (pass, end) = match next_pass(&picture, budget, start) {
             Some(next) => next,
@@ -76,21 +78,13 @@ pub fn render(
         let (from, to) = (picture.spp, picture.spp + pass);
         let rows = AtomicU64::new(0);
         picture.pixels.par_chunks_mut(window.width as usize).enumerate().for_each(|(y, row)| {
-            let y = window.y + y as u32;
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let x = window.x + x as u32;
-                for index in from..to {
-                    let mut sampler = Sampler::new(seed, (x, y), index);
-                    let ray = camera.ray(x, y, sampler.next_2d());
-                    let mut sample = integrator.radiance(world, ray, &mut sampler).finite();
-                    if sample.distance > 0.0 {
-                        sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
-                        pixel.surfaces += 1;
-                    }
-                    pixel.squares += (sample.sum().element_sum() * (1.0 / 3.0)).powi(2);
-                    pixel.sum += sample;
+            // The widest instructions of the machine, for all that is inlined below.
+            dispatch!(level, _simd => {
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    let at = (window.x + x as u32, window.y + y as u32);
+                    sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
                 }
-            }
+            });
             let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
             if let Some(end) = end {
                 let part = done as f64 / f64::from(window.height);
@@ -104,6 +98,30 @@ pub fn render(
             // The squared error falls with the number of samples.
             progress(f64::from(target / picture.relative_error()).powi(2).clamp(0.0, 1.0));
         }
+    }
+}
+
+/// Adds the samples of the given indices to a pixel.
+#[inline(always)]
+fn sample_pixel<I: Integrator>(
+    world: &World,
+    integrator: &I,
+    camera: &RayGenerator,
+    seed: u64,
+    (x, y): (u32, u32),
+    indices: core::ops::Range<u32>,
+    pixel: &mut Pixel,
+) {
+    for index in indices {
+        let mut sampler = Sampler::new(seed, (x, y), index);
+        let ray = camera.ray(x, y, sampler.next_2d());
+        let mut sample = integrator.radiance(world, ray, &mut sampler).finite();
+        if sample.distance > 0.0 {
+            sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
+            pixel.surfaces += 1;
+        }
+        pixel.squares += (sample.sum().element_sum() * (1.0 / 3.0)).powi(2);
+        pixel.sum += sample;
     }
 }
 

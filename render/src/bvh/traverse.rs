@@ -3,6 +3,7 @@
 use super::{LEAF, Leaf, Node, TriangleBvh, WIDTH};
 use crate::ray::{Hit, Ray};
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, mask32x8};
+use glam::Vec3A;
 
 impl TriangleBvh {
     /// Nearest intersection between `ray.t_min` and `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
@@ -70,25 +71,34 @@ impl<S: Simd> BoxTest<S> {
     #[inline(always)]
     fn new(simd: S, ray: &Ray) -> Self {
         // A direction component near zero is replaced by one whose inverse is finite, so that no 0 · ∞ appears.
-        let inverse = ray.direction.to_array().map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d });
+        let inverse = |d: f32| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d };
+        let (o, d) =
+            (ray.origin, Vec3A::new(inverse(ray.direction.x), inverse(ray.direction.y), inverse(ray.direction.z)));
+        let sign = d.is_negative_bitmask() as usize;
+        let near = [3 * (sign & 1), 1 + 3 * (sign >> 1 & 1), 2 + 3 * (sign >> 2 & 1)];
         Self {
-            origin: ray.origin.to_array().map(|o| f32x8::splat(simd, o)),
-            inverse: inverse.map(|i| f32x8::splat(simd, i)),
-            near: core::array::from_fn(|a| if inverse[a] < 0.0 { a + 3 } else { a }),
-            far: core::array::from_fn(|a| if inverse[a] < 0.0 { a } else { a + 3 }),
+            origin: [f32x8::splat(simd, o.x), f32x8::splat(simd, o.y), f32x8::splat(simd, o.z)],
+            inverse: [f32x8::splat(simd, d.x), f32x8::splat(simd, d.y), f32x8::splat(simd, d.z)],
+            near,
+            far: [3 - near[0], 5 - near[1], 7 - near[2]],
         }
+    }
+
+    /// Distances to a plane of each child's box, on one axis.
+    #[inline(always)]
+    fn plane(&self, simd: S, node: &Node, plane: usize, axis: usize) -> f32x8<S> {
+        (f32x8::load_array_ref(simd, &node.bounds[plane]) - self.origin[axis]) * self.inverse[axis]
     }
 
     /// Entry distances, and the lanes whose box meets (t_min, t_max). The far distance is enlarged by the rounding
     /// error of the test (Ize 2013, "Robust BVH ray traversal").
     #[inline(always)]
     fn test(&self, simd: S, node: &Node, t_min: f32, t_max: f32) -> (f32x8<S>, mask32x8<S>) {
-        let plane =
-            |p: usize, a: usize| (f32x8::load_array_ref(simd, &node.bounds[p]) - self.origin[a]) * self.inverse[a];
-        let near = plane(self.near[0], 0).max(plane(self.near[1], 1));
-        let near = near.max(plane(self.near[2], 2)).max(f32x8::splat(simd, t_min));
-        let far = plane(self.far[0], 0).min(plane(self.far[1], 1)).min(plane(self.far[2], 2));
-        let far = (far * f32x8::splat(simd, 1.000_000_4)).min(f32x8::splat(simd, t_max));
+        let near = self.plane(simd, node, self.near[0], 0).max(self.plane(simd, node, self.near[1], 1));
+        let near = near.max(self.plane(simd, node, self.near[2], 2)).max(f32x8::splat(simd, t_min));
+        let far = self.plane(simd, node, self.far[0], 0).min(self.plane(simd, node, self.far[1], 1));
+        let far = far.min(self.plane(simd, node, self.far[2], 2)) * f32x8::splat(simd, 1.000_000_4);
+        let far = far.min(f32x8::splat(simd, t_max));
         (near, near.simd_le(far))
     }
 }
@@ -112,25 +122,39 @@ impl<S: Simd> TriangleTest<S> {
         } else {
             2
         };
-        let axes = [(kz + 1) % 3, (kz + 2) % 3, kz];
-        let [x, y, z] = axes.map(|a| ray.direction[a]);
+        let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
+        let inverse = 1.0 / ray.direction[kz];
         Self {
-            axes,
-            origin: axes.map(|a| f32x8::splat(simd, ray.origin[a])),
-            shear: [x / z, y / z, 1.0 / z].map(|s| f32x8::splat(simd, s)),
+            axes: [kx, ky, kz],
+            origin: [
+                f32x8::splat(simd, ray.origin[kx]),
+                f32x8::splat(simd, ray.origin[ky]),
+                f32x8::splat(simd, ray.origin[kz]),
+            ],
+            shear: [
+                f32x8::splat(simd, ray.direction[kx] * inverse),
+                f32x8::splat(simd, ray.direction[ky] * inverse),
+                f32x8::splat(simd, inverse),
+            ],
         }
+    }
+
+    /// Vertices where the ray is the z axis: relative to its origin, sheared.
+    #[inline(always)]
+    fn vertex(&self, simd: S, v: &[[f32; WIDTH]; 3]) -> [f32x8<S>; 3] {
+        let [kx, ky, kz] = self.axes;
+        let x = f32x8::load_array_ref(simd, &v[kx]) - self.origin[0];
+        let y = f32x8::load_array_ref(simd, &v[ky]) - self.origin[1];
+        let z = f32x8::load_array_ref(simd, &v[kz]) - self.origin[2];
+        [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 
     /// Lanes hit in (t_min, t_max), with distances and the weights of the second and third vertex.
     #[inline(always)]
     fn test(&self, simd: S, leaf: &Leaf, t_min: f32, t_max: f32) -> (mask32x8<S>, [f32x8<S>; 3]) {
-        // Move the ray to the z axis: vertices relative to the origin, sheared.
-        let vertex = |v: usize| {
-            let [x, y, z] =
-                core::array::from_fn(|i| f32x8::load_array_ref(simd, &leaf.vertices[v][self.axes[i]]) - self.origin[i]);
-            [x - self.shear[0] * z, y - self.shear[1] * z, z]
-        };
-        let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (vertex(0), vertex(1), vertex(2));
+        let [ax, ay, az] = self.vertex(simd, &leaf.vertices[0]);
+        let [bx, by, bz] = self.vertex(simd, &leaf.vertices[1]);
+        let [cx, cy, cz] = self.vertex(simd, &leaf.vertices[2]);
         // Scaled barycentrics. No fused operation: the triangle beyond an edge must find the exact opposite.
         let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
         let zero = f32x8::splat(simd, 0.0);
@@ -164,11 +188,10 @@ fn nearest<S: Simd>(
             let (mask, values) = triangles.test(simd, leaf, ray.t_min, hit.t);
             let mut lanes = mask.to_bitmask() as u32;
             if lanes != 0 {
-                let mut arrays = [[0f32; WIDTH]; 3];
-                for (array, value) in arrays.iter_mut().zip(values) {
-                    value.store_array(array);
-                }
-                let [t, b1, b2] = arrays;
+                let [mut t, mut b1, mut b2] = [[0f32; WIDTH]; 3];
+                values[0].store_array(&mut t);
+                values[1].store_array(&mut b1);
+                values[2].store_array(&mut b2);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
@@ -258,7 +281,6 @@ fn any<S: Simd>(simd: S, bvh: &TriangleBvh, root: u32, ray: &Ray, accept: impl F
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3A;
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus as StdRng;
 

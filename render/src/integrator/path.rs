@@ -59,6 +59,7 @@ impl Path {
 }
 
 impl Integrator for PathTracer {
+    #[inline(always)]
     fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance {
         let mut path =
             Path { out: Radiance::default(), throughput: Rgb::ONE, diffuse_share: Rgb::ZERO, eta: 1.0, previous: None };
