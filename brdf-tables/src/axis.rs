@@ -5,8 +5,9 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use serde::{Deserialize, Serialize};
 
 /// Nodes over (θe, φe, Ω). θe is uniform on [0, π/2] and φe on [0, π/2] (every model is symmetric about its two axes);
-/// Ω is uniform in τ = ln(1 + nΩ/4π) on [0, 2π], n being the exponent of a cosine lobe as wide as the material's.
-/// The grid includes Ω = 0, where the mean is the BRDF itself, and θe = 0.
+/// Ω is uniform on [0, 2π] in τ^stretch, τ = ln(1 + nΩ/4π), n being the exponent of a cosine lobe as wide as the
+/// material's: stretch 1 suits values, which are linear in small Ω, and ½ what depends on the radius of a cap. The grid
+/// includes Ω = 0, where the mean is the BRDF itself, and θe = 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axes {
@@ -18,6 +19,8 @@ pub struct Axes {
     pub omega: u32,
     /// The exponent n in τ.
     pub sharpness: f64,
+    /// The power of τ in which Ω is uniform, in (0, 1].
+    pub stretch: f64,
 }
 
 /// A place on an axis: the node below and the fraction of the way to the next.
@@ -65,7 +68,7 @@ impl Axes {
     /// Ω of a node, sr.
     pub fn omega_at(&self, i: usize) -> f64 {
         let x = i as f64 / f64::from(self.omega - 1);
-        (4.0 * PI / self.sharpness * (x * self.top()).exp_m1()).min(TAU)
+        (4.0 * PI / self.sharpness * (x.powf(1.0 / self.stretch) * self.top()).exp_m1()).min(TAU)
     }
 
     /// τ(2π).
@@ -85,7 +88,8 @@ impl Axes {
 
     /// Place of a solid angle.
     pub fn omega_place(&self, omega: f64) -> Place {
-        place((self.sharpness * omega / (4.0 * PI)).ln_1p() / self.top(), self.omega)
+        let x = (self.sharpness * omega.max(0.0) / (4.0 * PI)).ln_1p() / self.top();
+        place(x.powf(self.stretch), self.omega)
     }
 
     /// The cap of a node; its solid angle is kept above zero.
@@ -103,6 +107,8 @@ impl Axes {
             && nodes <= limit as u64
             && self.sharpness.is_finite()
             && self.sharpness > 0.0
+            && self.stretch > 0.0
+            && self.stretch <= 1.0
     }
 }
 
@@ -112,7 +118,12 @@ mod tests {
 
     #[test]
     fn nodes_and_places_are_inverse() {
-        let axes = Axes { theta: 9, phi: 4, omega: 12, sharpness: 200.0 };
+        for stretch in [1.0, 0.5] {
+            check(Axes { theta: 9, phi: 4, omega: 12, sharpness: 200.0, stretch });
+        }
+    }
+
+    fn check(axes: Axes) {
         for i in 0..9 {
             let p = axes.theta_place(axes.theta_at(i));
             assert!((p.index as f64 + p.fraction - i as f64).abs() < 1e-9);

@@ -77,7 +77,12 @@ pub fn mean_brdf(specular: &Specular, cap: &Cap, wo: DVec3, tolerance: f64, scal
             refine(model, self.0, self.1, self.2, self.3, self.4)
         }
     }
-    specular.visit(Run(cap, wo, specular.lobe_width(), tolerance, scale))
+    // The narrowest extent of the lobe over wi: half vectors shrink it by the cosine of the view.
+    let narrowing = match specular {
+        Specular::Phong(_) | Specular::Lafortune(_) => 1.0,
+        Specular::Ward(_) | Specular::Microfacet(_) => wo.z.max(0.02),
+    };
+    specular.visit(Run(cap, wo, specular.lobe_width() * narrowing, tolerance, scale))
 }
 
 fn refine(brdf: &impl Brdf, cap: &Cap, wo: DVec3, width: f64, tolerance: f64, scale: f64) -> f64 {
@@ -87,9 +92,9 @@ fn refine(brdf: &impl Brdf, cap: &Cap, wo: DVec3, width: f64, tolerance: f64, sc
         return 0.0;
     }
     let last = ORDERS.len() - 2;
-    // Start where the nodes are about a lobe width apart (the lobe narrows with the cosine of the view), so that a lobe
-    // inside a large cap is not missed by every rule that is tried.
-    let needed = 1.5 * cap.half_angle() / (width * wo.z.max(0.02));
+    // Start where the nodes are about a lobe width apart, so that a lobe inside a large cap is not missed by every rule
+    // that is tried.
+    let needed = cap.half_angle() / width;
     let first = ORDERS.iter().position(|&n| n as f64 >= needed).unwrap_or(last).min(last - 2);
     let (mut radial, mut azimuthal) = (first, first + 1);
     let mut value = integrate(cap, radial, azimuthal, &f) / area;

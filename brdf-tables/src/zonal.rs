@@ -20,8 +20,15 @@ use glam::{DVec3, Vec3};
 
 /// Reach of the table beyond the edge of the cap, in lobe widths 1/√n: the lobe is e⁻¹⁵ there.
 const REACH: f64 = 5.5;
-/// Cubature order index for caps that cross the horizon, where the zonal form does not hold.
-const CLIPPED_ORDER: u8 = 6;
+/// Cubature order index for the part of a cap below the horizon, which the zonal form includes. Broad lobes come with
+/// large caps, and with the kink where the lobe ends.
+fn clipped_order(exponent: f64) -> u8 {
+    match exponent {
+        n if n < 10.0 => 9,
+        n if n < 40.0 => 7,
+        _ => 5,
+    }
+}
 
 /// Tabulated (T_P, T_R) over (u, v): u follows the cap's radius, v the distance to its edge.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +112,7 @@ impl Zonal {
         if !fits || scale.iter().flatten().any(|x| !x.is_finite()) {
             return None;
         }
-        let clipped = Cubature::uniform(specular, CLIPPED_ORDER)?;
+        let clipped = Cubature::uniform(specular, clipped_order(exponent))?;
         Some(Self { amplitude, exponent, columns, rows, cells, scale, clipped })
     }
 
@@ -114,7 +121,7 @@ impl Zonal {
         (self.rows, self.columns, &self.cells, self.scale)
     }
 
-    /// Numerator of eq. 9 for whole caps, over any [`Real`].
+    /// Numerator of eq. 9 over the whole cap, the part below the horizon (if any) counted as negative.
     #[inline(always)]
     fn numerator<T: Real>(&self, axis: [T; 3], height: T, wo: [T; 3]) -> T {
         let one = height.lit(1.0);
@@ -146,8 +153,7 @@ impl Zonal {
         let cos_delta = one - d2 * one.lit(0.5);
         let sum = tp * axis[2] + tr * (wo[2] - axis[2] * cos_delta);
         let strength = one.lit(2.0 * PI * self.amplitude / (self.exponent + 2.0));
-        let value = (strength * self.filled(height) * sum).max(one.lit(0.0));
-        T::select(one.lt(v), one.lit(0.0), value)
+        T::select(one.lt(v), one.lit(0.0), strength * self.filled(height) * sum)
     }
 
     /// 1 − cosⁿ⁺² σ for h = 1 − cos σ, by series where the direct form would cancel.
@@ -178,10 +184,9 @@ impl MeanBrdf for Zonal {
         if wo.z <= 0.0 {
             return 0.0;
         }
-        if crosses(axis[2], height) {
-            return self.clipped.value(cap, wo);
-        }
-        self.numerator(axis, height, wo.to_array()) / projected_solid_angle(axis[2], height)
+        let whole = self.numerator(axis, height, wo.to_array());
+        let sum = if crosses(axis[2], height) { self.clipped.clip_value(cap, wo, whole) } else { whole };
+        sum.max(0.0) / projected_solid_angle(axis[2], height)
     }
 
     fn values(&self, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
@@ -200,24 +205,31 @@ const CHUNK: usize = 256;
 fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
     let direction = wo.to_array().map(|x| f32x16::splat(simd, x));
     for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
-        let mut clipped = [0u32; CHUNK];
-        let mut count = 0;
+        // Caps that cross the horizon, and their whole integrals.
+        let (mut picked, mut whole, mut count) = ([0u32; CHUNK], [0f32; CHUNK], 0);
         for (block, out) in out.chunks_mut(LANES).enumerate() {
             let start = chunk * CHUNK + block * LANES;
             let [x, y, z, height] = caps.lanes(start).map(|lanes| f32x16::load_array_ref(simd, lanes));
-            // The denominator of a whole cap; the clipped ones are done again below.
-            let area = Real::max(height * (-height + 2.0) * z * core::f32::consts::PI, z.lit(1e-30));
-            let value = table.numerator([x, y, z], height, direction) / area;
-            out.copy_from_slice(&value.to_array()[..out.len()]);
+            let sum = table.numerator([x, y, z], height, direction);
             let crossing = crosses(z, height);
+            let area = projected_solid_angle(z, height);
+            let values = (Real::max(sum, z.lit(0.0)) / area).to_array();
+            out.copy_from_slice(&values[..out.len()]);
             if crossing.any_true() {
-                let flags = Real::select(crossing, z.lit(1.0), z.lit(0.0)).to_array();
-                for (i, _) in flags[..out.len()].iter().enumerate().filter(|(_, flag)| **flag > 0.0) {
-                    clipped[count] = (start + i) as u32;
+                // The area of a clipped cap takes the place of its value until the part below is known.
+                let flags = Real::select(crossing, area, z.lit(0.0)).to_array();
+                let sums = sum.to_array();
+                for (i, out) in out.iter_mut().enumerate().filter(|(i, _)| flags[*i] > 0.0) {
+                    (picked[count], whole[count]) = ((start + i) as u32, sums[i]);
+                    *out = flags[i];
                     count += 1;
                 }
             }
         }
-        table.clipped.values_at(simd, caps, &clipped[..count], wo, |i, value| out[i - chunk * CHUNK] = value);
+        table.clipped.clip(simd, caps, &picked[..count], wo, &mut whole[..count]);
+        for (&i, &sum) in picked[..count].iter().zip(&whole[..count]) {
+            let out = &mut out[i as usize - chunk * CHUNK];
+            *out = sum.max(0.0) / *out;
+        }
     }
 }

@@ -21,12 +21,12 @@ pub enum Sampling {
     Main,
     /// Radius uniform up to 2.5 lobe widths, crossing the horizon by 0 … 0.9 of the radius.
     Clipped,
-    /// The rest of the domain: θe uniform in 0 … 90°, Ω log-uniform in 1e-4 … 2π sr.
+    /// The rest of the domain: θe uniform in 0 … 90°, radius log-uniform in 0.01 … 10 lobe widths, at most 90°.
     Wide,
 }
 
-/// Relative accuracy of the reference, of the peak of F: 25 times better than the best promise worth making.
-const REFERENCE: f64 = 2e-5;
+/// Accuracy of the reference, over the peak of F: ten times better than the best promise worth making.
+const REFERENCE: f64 = 1e-4;
 
 /// `count` random caps for the lobe width of `specular`.
 pub fn random_caps(specular: &Specular, sampling: Sampling, count: usize, rng: &mut impl Rng) -> Vec<Cap> {
@@ -45,7 +45,10 @@ pub fn random_caps(specular: &Specular, sampling: Sampling, count: usize, rng: &
                 Cap::with_half_angle(theta, phi, radius)
             }
             Sampling::Clipped => Cap::with_half_angle(FRAC_PI_2 - radius * (1.0 - 0.9 * u), phi, radius),
-            Sampling::Wide => Cap::new(u * FRAC_PI_2, phi, TAU * (1e-4 / TAU).powf(rng.random::<f64>())),
+            Sampling::Wide => {
+                let widths = 10.0 * 1e-3f64.powf(rng.random());
+                Cap::with_half_angle(u * FRAC_PI_2, phi, (widths * specular.lobe_width()).min(FRAC_PI_2))
+            }
         };
         caps.extend(cap);
     }

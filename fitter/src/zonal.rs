@@ -20,13 +20,16 @@ fn quotient(t: f64, n: f64) -> f64 {
     if log > -1e-12 { 0.5 * n } else { (n * log).exp_m1() / (2.0 * log).exp_m1() }
 }
 
-/// P(δ, σ) and R(δ, σ) for the exponent `n`, to about 1e-12 of P(0, σ). Angles in radian, δ ≤ π − σ.
+/// P(δ, σ) and R(δ, σ) for the exponent `n`, to about 1e-12 of P(0, σ). Angles in radian.
 pub fn rim_integrals(n: f64, delta: f64, sigma: f64) -> (f64, f64) {
     let (sr, cr) = sigma.sin_cos();
     if delta < 1e-9 {
         let p = 2.0 * PI * (1.0 - cr.powf(n + 2.0)) / (n + 2.0);
         let r = (2.0 * PI * (1.0 - cr.powf(n)) - n * PI * sr * sr * cr.powf(n)) / (n + 2.0);
         return (p, r);
+    }
+    if delta - sigma >= FRAC_PI_2 {
+        return (0.0, 0.0);
     }
     let (sd, cd) = delta.sin_cos();
     let nodes = 48 + (14.0 * n.sqrt() * sr) as usize;
@@ -52,8 +55,8 @@ pub fn rim_integrals(n: f64, delta: f64, sigma: f64) -> (f64, f64) {
         for (x, w) in gauss_legendre(nodes) {
             add(0.5 * lit * (x + 1.0), lit * w);
         }
-        let beta = |psi: f64| (sr * psi.sin()).atan2(sr * psi.cos() * cd - cr * sd);
-        t += 2.0 * (beta(PI) - beta(lit));
+        let beta = (sr * lit.sin()).atan2(sr * lit.cos() * cd - cr * sd);
+        t += 2.0 * (PI - beta);
     }
     ((t * cd + sr * sr * j0) / (n + 2.0), (t - sr * cr * j1 / sd) / (n + 2.0))
 }
@@ -66,8 +69,7 @@ pub fn radial_mean((a, n): (f64, f64), cap: &Cap, wo: DVec3) -> Option<f64> {
         return None;
     }
     let chord = 0.5 * (wo - mirror(cap.axis())).length();
-    // Beyond π − σ no mirrored direction of the cap is within 90° of wo.
-    let delta = (2.0 * chord.min(1.0).asin()).min(PI - sigma);
+    let delta = 2.0 * chord.min(1.0).asin();
     let (p, r) = rim_integrals(n, delta, sigma);
     Some(a * (p * cz + r * (wo.z - cz * delta.cos())) / cap.projected_solid_angle())
 }
@@ -82,11 +84,12 @@ pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
             // A cap of radius zero has the limit of a tiny one.
             let u = ((i / columns) as f64 / (rows - 1) as f64).max(1e-5);
             let (sigma, delta) = axes.angles(u, (i % columns) as f64 / (columns - 1) as f64);
-            let (p, r) = rim_integrals(n, delta.min(PI - sigma), sigma);
+            let (p, r) = rim_integrals(n, delta, sigma);
             let peak = rim_integrals(n, 0.0, sigma).0;
             (p / peak, r / peak)
         })
         .collect();
+    let values = centred(&values, rows, columns);
     let range = |pick: fn(&(f64, f64)) -> f64| {
         let (lo, hi) = values.iter().map(pick).fold((0f64, 0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
         [lo, (hi - lo).max(f64::MIN_POSITIVE) / 65535.0]
@@ -95,4 +98,23 @@ pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
     let pack = |x: f64, [lo, step]: [f64; 2]| ((x - lo) / step).round().clamp(0.0, 65535.0) as u32;
     let cells = values.iter().map(|&(p, r)| pack(p, scale[0]) | pack(r, scale[1]) << 16).collect();
     Zonal::new(specular, rows, columns, cells, scale)
+}
+
+/// Nodes moved so that the bilinear interpolant is right on average over each cell, not at its corners: a line between
+/// exact values of a convex function lies above it, by h²f″/12 in the mean, and the excess of all cells adds up in the
+/// energy. Halves the error of a smooth function too.
+fn centred(values: &[(f64, f64)], rows: usize, columns: usize) -> Vec<(f64, f64)> {
+    let bend = |i: usize, step: usize, inner: bool, pick: fn(&(f64, f64)) -> f64| {
+        if inner { pick(&values[i - step]) - 2.0 * pick(&values[i]) + pick(&values[i + step]) } else { 0.0 }
+    };
+    let moved = |i: usize, pick: fn(&(f64, f64)) -> f64| {
+        let (row, column) = (i / columns, i % columns);
+        let across = bend(i, columns, row > 0 && row + 1 < rows, pick);
+        let along = bend(i, 1, column > 0 && column + 1 < columns, pick);
+        let value = pick(&values[i]);
+        let shifted = value - (across + along) / 12.0;
+        // Nothing may fall below zero in the tail.
+        if value >= 0.0 { shifted.max(0.0) } else { shifted }
+    };
+    (0..values.len()).map(|i| (moved(i, |v| v.0), moved(i, |v| v.1))).collect()
 }

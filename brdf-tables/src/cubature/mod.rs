@@ -52,7 +52,25 @@ impl<T: Real> Mapped<T> {
     }
 }
 
-/// ∫ f_r(wi, wo) cosθi dwi over the part of the cap above the horizon: the numerator of eq. 9.
+/// Which part of a cap to integrate over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The part above the horizon.
+    Above,
+    /// The part below it (where cosθi is negative), for a formula that holds there too. Caps that hold a pole of the frame
+    /// are integrated above all the same: see [`holds_pole`].
+    Below,
+}
+
+/// Whether a cap, given in the frame of `wo`, holds a pole of the coordinates: a cap on the horizon, far to the side.
+#[inline(always)]
+pub fn holds_pole<T: Real>(axis: [T; 3], height: T) -> T::Mask {
+    (axis[0].sq() + axis[2].sq()).lt(height * (height.lit(2.0) - height))
+}
+
+/// ∫ f_r(wi, wo) cosθi dwi over the part of the cap above the horizon, the numerator of eq. 9, and ∫ cosθi dwi by the same
+/// rule. The second is a poor estimate of the denominator when the nodes crowd in a lobe smaller than the cap; of the
+/// smallest rules, made for caps smaller than the lobe, it cancels the error.
 ///
 /// `axis` is the cap axis in the frame of `wo`, `height` = 1 − cos σ, `rotation` = (cos, sin) of the azimuth of `wo`,
 /// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one.
@@ -63,8 +81,9 @@ pub fn numerator<T: Real, F: Formula>(
     rotation: (f64, f64),
     axis: [T; 3],
     height: T,
+    side: Side,
     (outer, inner): (&[(T::Scalar, T::Scalar)], &[(T::Scalar, T::Scalar)]),
-) -> T {
+) -> (T, T) {
     let one = height.lit(1.0);
     let (zero, tiny) = (one.lit(0.0), one.lit(1e-12));
     // Back to the surface frame, which matters to an anisotropic model only (the others come with the identity).
@@ -81,7 +100,7 @@ pub fn numerator<T: Real, F: Formula>(
     let in_plane = in_plane2.sqrt();
     let over_plane = in_plane.recip();
     let (sin_c, cos_c) = (axis[0] * over_plane, axis[2] * over_plane);
-    let has_pole = in_plane.lt(sin_r);
+    let has_pole = holds_pole(axis, height);
     let any_pole = T::any(has_pole);
     let sin_rho = T::select(has_pole, one, (sin_r * over_plane).min(one));
 
@@ -89,12 +108,16 @@ pub fn numerator<T: Real, F: Formula>(
     let quarter = one.lit(FRAC_PI_2);
     let (mut lo, mut hi) = (-quarter, quarter);
     let over_rho = sin_rho.recip();
-    if any_pole || T::any(cos_c.lt(sin_rho)) {
+    if side == Side::Below || any_pole || T::any(cos_c.lt(sin_rho)) {
         let cut = (cos_c * over_rho).min(one).asin();
         let leans_right = zero.lt(sin_c);
         let a_cap = sin_c.asin();
-        hi = T::select(has_pole, quarter - a_cap, T::select(leans_right, cut, quarter));
-        lo = T::select(has_pole, -quarter - a_cap, T::select(leans_right, -quarter, -cut));
+        (lo, hi) = match side {
+            Side::Above => (T::select(leans_right, -quarter, -cut), T::select(leans_right, cut, quarter)),
+            Side::Below => (T::select(leans_right, cut, -quarter), T::select(leans_right, quarter, -cut)),
+        };
+        hi = T::select(has_pole, quarter - a_cap, hi);
+        lo = T::select(has_pole, -quarter - a_cap, lo);
     }
 
     // The lobe in τ: its centre, or the nearest rim, and its width there.
@@ -106,7 +129,7 @@ pub fn numerator<T: Real, F: Formula>(
     let kappa = reach * (one - clamped.sq() + reach).sqrt().recip();
     let tau_map = Mapped::new(lo - centre, hi - lo, kappa);
 
-    let mut sum = zero;
+    let (mut sum, mut area) = (zero, zero);
     for &(node, weight) in outer {
         let (offset, jacobian) = tau_map.at(node);
         let (sin_t, cos_t) = (centre + offset).sin_cos();
@@ -117,7 +140,7 @@ pub fn numerator<T: Real, F: Formula>(
         let cos_d = T::select(has_pole, cos_t, root);
         let jacobian = jacobian * T::select(has_pole, one, sin_rho * cos_t * root.recip());
         let sin_a = sin_c * cos_d + cos_c * x;
-        let cos_a = (cos_c * cos_d - sin_c * x).max(zero);
+        let cos_a = cos_c * cos_d - sin_c * x;
 
         // The interval of q = sin b on this meridian: b₀ ± β with (p, axis.y) = R (cos b₀, sin b₀), cos β = cosσ / R.
         let p = in_plane * cos_d;
@@ -139,15 +162,19 @@ pub fn numerator<T: Real, F: Formula>(
         let ridge = one.lit(lobe.tilt) * along;
         let kappa_q = (one.lit(lobe.k0) * scale.sq() + one.lit(lobe.k1) * along.sq()).max(tiny).sqrt();
         let q_map = Mapped::new(q_lo - ridge, length, kappa_q);
-        let mut row = zero;
+        let (mut row, mut row_area) = (zero, zero);
         for &(node, weight) in inner {
             let (offset, jacobian) = q_map.at(node);
             let q = ridge + offset;
             let cos_b = (one - q.sq()).max(tiny).sqrt();
             let wi = [cos_b * sin_a, q, cos_b * cos_a];
-            row = (jacobian * one.fill(weight) * wi[2]).mul_add(formula.f(turned(wi), wo), row);
+            let measure = jacobian * one.fill(weight) * wi[2];
+            row = measure.mul_add(formula.f(turned(wi), wo), row);
+            row_area = row_area + measure;
         }
-        sum = (jacobian * one.fill(weight)).mul_add(row, sum);
+        let measure = jacobian * one.fill(weight);
+        sum = measure.mul_add(row, sum);
+        area = measure.mul_add(row_area, area);
     }
-    sum.max(zero)
+    (sum, area)
 }

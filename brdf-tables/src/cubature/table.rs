@@ -1,7 +1,7 @@
 //! The cubature as a table: the order of the rule per cell of (θe, φe, Ω), chosen by the fitter as the least that meets
 //! the tolerance there.
 
-use super::{Footprint, numerator};
+use super::{Footprint, Side, holds_pole, numerator};
 use crate::axis::Axes;
 use crate::batch::{CapBatch, MIN_HEIGHT};
 use crate::brdf::{Brdf, Formula, Specular, Visitor};
@@ -16,6 +16,8 @@ use std::sync::OnceLock;
 
 /// Orders a cell may ask for, in both directions; a table stores indices into this list.
 pub const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
+/// Rules up to this index (3 × 3) serve caps smaller than the lobe: they divide by their own estimate of the denominator.
+const SELF_NORMALISED: usize = 2;
 
 /// The Gauss–Legendre rule of order `ORDERS[index]`, in f64 and in f32.
 fn rule(index: usize) -> &'static (Vec<(f64, f64)>, Vec<(f32, f32)>) {
@@ -66,33 +68,58 @@ impl Cubature {
 
     /// One order (an index into [`ORDERS`]) everywhere.
     pub fn uniform(specular: Specular, order: u8) -> Option<Self> {
-        Self::new(specular, Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0 }, &[order; 4])
+        Self::new(specular, Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 }, &[order; 4])
     }
 
-    /// The means over the caps listed in `picked`, seen from `wo`, by the largest order of the table, handed to `store` with
-    /// their index: for a caller that has sorted out the few caps its own method cannot do.
+    /// For caps that cross the horizon, the numerator of eq. 9 from the integral over the whole cap (in which cosθi is
+    /// negative below the horizon), by subtracting the part below: small, so that few nodes do. Caps listed in `picked`;
+    /// `whole` holds their whole integrals and receives the result. The formula must hold below the horizon.
     #[inline(always)]
-    pub(crate) fn values_at<S: Simd>(
-        &self,
-        simd: S,
-        caps: &CapBatch,
-        picked: &[u32],
-        wo: Vec3,
-        store: impl FnMut(usize, f32),
-    ) {
-        struct Run<'a, S, F>(S, &'a Cubature, &'a CapBatch, &'a [u32], DVec3, F);
-        impl<S: Simd, F: FnMut(usize, f32)> Visitor for Run<'_, S, F> {
+    pub(crate) fn clip<S: Simd>(&self, simd: S, caps: &CapBatch, picked: &[u32], wo: Vec3, whole: &mut [f32]) {
+        struct Run<'a, S>(S, &'a Cubature, &'a CapBatch, &'a [u32], DVec3, &'a mut [f32]);
+        impl<S: Simd> Visitor for Run<'_, S> {
             type Output = ();
             #[inline(always)]
-            fn visit<M: Brdf + Formula>(mut self, model: &M) {
-                let order = usize::from(self.1.intervals.iter().copied().max().unwrap_or(0));
-                let view = View::new(self.1, self.4);
-                picked_caps(self.0, model, &view, order, self.2, self.3, &mut self.5);
+            fn visit<M: Brdf + Formula>(self, model: &M) {
+                let Run(simd, table, caps, picked, wo, whole) = self;
+                let (view, (_, rule)) = (View::new(table, wo), rule(table.largest()));
+                for (block, whole) in picked.chunks(LANES).zip(whole.chunks_mut(LANES)) {
+                    let (axis, height) = gather(simd, caps, block, &view);
+                    let (part, _) = simd.vectorize(
+                        #[inline(always)]
+                        || numerator(model, &view.lobe, view.turn, axis, height, Side::Below, (rule, rule)),
+                    );
+                    let pole = Real::select(holds_pole(axis, height), height.lit(1.0), height.lit(0.0)).to_array();
+                    for ((whole, part), pole) in whole.iter_mut().zip(part.to_array()).zip(pole) {
+                        *whole = if pole > 0.0 { part } else { *whole - part };
+                    }
+                }
             }
         }
         if !picked.is_empty() {
-            self.specular.visit(Run(simd, self, caps, picked, wo.as_dvec3(), store));
+            self.specular.visit(Run(simd, self, caps, picked, wo.as_dvec3(), whole));
         }
+    }
+
+    /// [`Cubature::clip`] for one cap, in f64.
+    pub(crate) fn clip_value(&self, cap: &Cap, wo: DVec3, whole: f64) -> f64 {
+        struct Run<'a>(&'a Cubature, &'a Cap, DVec3, f64);
+        impl Visitor for Run<'_> {
+            type Output = f64;
+            fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
+                let Run(table, cap, wo, whole) = self;
+                let (view, (rule, _)) = (View::new(table, wo), rule(table.largest()));
+                let (axis, height) = (into_frame(cap.axis().to_array(), view.rotation), cap.height());
+                let (part, _) = numerator(model, &view.lobe, view.turn, axis, height, Side::Below, (rule, rule));
+                if holds_pole(axis, height) { part } else { whole - part }
+            }
+        }
+        self.specular.visit(Run(self, cap, wo, whole))
+    }
+
+    /// The largest order index of the table.
+    fn largest(&self) -> usize {
+        usize::from(self.intervals.iter().copied().max().unwrap_or(0))
     }
 
     fn order(&self, theta: f64, omega: f64) -> u8 {
@@ -107,8 +134,9 @@ impl Cubature {
         let (nt, no) = (self.axes.theta - 1, self.axes.omega - 1);
         let theta = (cz.lit(FRAC_PI_2) - Real::asin(Real::min(cz, cz.lit(1.0)))) * cz.lit(f64::from(nt) / FRAC_PI_2);
         // n Ω/4π = n h/2
-        let tau = (height * cz.lit(0.5 * self.axes.sharpness) + 1.0).log2()
-            * cz.lit(f64::from(no) / (1.0 + 0.5 * self.axes.sharpness).log2());
+        let top = (1.0 + 0.5 * self.axes.sharpness).log2();
+        let tau = (height * cz.lit(0.5 * self.axes.sharpness) + 1.0).log2() * cz.lit(1.0 / top);
+        let tau = tau.powf(cz.lit(self.axes.stretch)) * cz.lit(f64::from(no));
         let t = Real::floor(Real::min(theta, cz.lit(f64::from(nt - 1))));
         let o = Real::floor(Real::min(tau, cz.lit(f64::from(no - 1))));
         let index = Real::max(t * cz.lit(f64::from(no)) + o, cz.lit(0.0)).to_array();
@@ -131,11 +159,13 @@ impl MeanBrdf for Cubature {
             fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
                 let Run(table, cap, wo) = self;
                 let view = View::new(table, wo);
-                let (rule, _) = rule(usize::from(table.order(cap.theta(), cap.solid_angle())));
+                let order = usize::from(table.order(cap.theta(), cap.solid_angle()));
+                let (rule, _) = rule(order);
                 let axis = into_frame(cap.axis().to_array(), view.rotation);
                 let height = cap.height().max(f64::from(MIN_HEIGHT));
-                let sum = numerator(model, &view.lobe, view.turn, axis, height, (rule, rule));
-                sum / projected_solid_angle(axis[2], height)
+                let (sum, area) = numerator(model, &view.lobe, view.turn, axis, height, Side::Above, (rule, rule));
+                let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
+                sum.max(0.0) / area
             }
         }
         if wo.z <= 0.0 {
@@ -222,24 +252,30 @@ fn picked_caps<S: Simd, M: Formula>(
 ) {
     let (_, rule) = rule(order);
     for block in picked.chunks(LANES) {
-        let mut lanes = [[0f32; LANES]; 4];
-        for k in 0..LANES {
-            // Lanes to spare repeat the last cap.
-            let i = block[k.min(block.len() - 1)] as usize;
-            lanes[0][k] = caps.axis[0][i];
-            lanes[1][k] = caps.axis[1][i];
-            lanes[2][k] = caps.axis[2][i];
-            lanes[3][k] = caps.height[i];
-        }
-        let [x, y, z, height] = lanes.map(|lane| f32x16::load_array(simd, lane));
-        let axis = into_frame([x, y, z], view.rotation);
-        let sum = simd.vectorize(
+        let (axis, height) = gather(simd, caps, block, view);
+        let (sum, area) = simd.vectorize(
             #[inline(always)]
-            || numerator(model, &view.lobe, view.turn, axis, height, (rule, rule)),
+            || numerator(model, &view.lobe, view.turn, axis, height, Side::Above, (rule, rule)),
         );
-        let values = (sum / projected_solid_angle(axis[2], height)).to_array();
+        let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
+        let values = (Real::max(sum, height.lit(0.0)) / area).to_array();
         for (&i, value) in block.iter().zip(values) {
             store(i as usize, value);
         }
     }
+}
+
+/// Axes in the frame of `wo`, and heights, of up to sixteen listed caps; lanes to spare repeat the last.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, caps: &CapBatch, block: &[u32], view: &View) -> ([f32x16<S>; 3], f32x16<S>) {
+    let mut lanes = [[0f32; LANES]; 4];
+    for k in 0..LANES {
+        let i = block[k.min(block.len() - 1)] as usize;
+        lanes[0][k] = caps.axis[0][i];
+        lanes[1][k] = caps.axis[1][i];
+        lanes[2][k] = caps.axis[2][i];
+        lanes[3][k] = caps.height[i];
+    }
+    let [x, y, z, height] = lanes.map(|lane| f32x16::load_array(simd, lane));
+    (into_frame([x, y, z], view.rotation), height)
 }

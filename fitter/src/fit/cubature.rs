@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Fits the orders.
 pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
     let phi = if specular.is_isotropic() { 1 } else { 5 };
-    let axes = Axes { theta: 13, phi, omega: 14, sharpness: specular.lobe_width().powi(-2) };
+    let axes = Axes { theta: 13, phi, omega: 14, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
     let oracle = oracle(*specular);
     let candidates: Vec<Cubature> =
         (0..ORDERS.len() as u8).filter_map(|order| Cubature::uniform(*specular, order)).collect();

@@ -46,6 +46,7 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
         phi: if isotropic { 1 } else { 5 },
         omega: if isotropic { 16 } else { 10 },
         sharpness: specular.lobe_width().powi(-2),
+        stretch: 1.0,
     };
     let most = options.lobes.unwrap_or(if isotropic { 6 } else { 8 });
     let ansatz = Ansatz { in_plane: isotropic, signed: true };
