@@ -26,7 +26,9 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
             let exact = values(&oracle, &cap, &directions);
             let meets = |candidate: &Cubature| {
                 let errors = directions.errors(&exact, &values(candidate, &cap, &directions));
-                f64::from(errors.rmse_lobe) <= options.tolerance
+                let within = |error: f32, bound: f64| f64::from(error) <= bound * options.tolerance;
+                // The tail of a lobe weighs little in rmse_lobe, but it holds much of the energy of GGX.
+                within(errors.rmse_lobe, 1.0) && within(errors.l1, 3.0) && within(errors.albedo, 1.5)
             };
             let order = candidates.iter().position(meets).unwrap_or(ORDERS.len() - 1) as u8;
             (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64);
