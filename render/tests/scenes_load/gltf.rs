@@ -200,6 +200,35 @@ fn every_mode_of_triangles() {
 }
 
 #[test]
+fn double_sided_lamps_shine_on_both_sides() {
+    let mut d = document();
+    d["materials"][1]["doubleSided"] = true.into();
+    let (scene, _) = load(&d).unwrap();
+    let [front, back] = scene.shapes.as_slice() else { panic!("{}", scene.shapes.len()) };
+    let normal = |s: &Shape| {
+        let Geometry::Mesh(m) = &s.geometry else { panic!() };
+        let [a, b, c] = m.triangles[0].map(|i| m.positions[i as usize]);
+        ((b - a).cross(c - a).normalize(), a)
+    };
+    let ((n, p), (opposite, q)) = (normal(front), normal(back));
+    assert!((n + opposite).length() < 1e-3 && (p - q).dot(n) > 1e-5 && (p - q).length() < 1e-3);
+    assert_eq!(front.emitter, back.emitter);
+    // The inside of a closed lamp, here a tetrahedron, is not lit.
+    let corners = [[0f32, 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    let mut bytes: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0u16, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3].iter().flat_map(|i| i.to_le_bytes()));
+    d["buffers"][0] = json!({"byteLength": bytes.len(), "uri": data_uri("application/octet-stream", &bytes)});
+    d["bufferViews"] = json!([{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}]);
+    d["accessors"] = json!([
+        {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+        {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}]);
+    d["meshes"] = json!([{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 1}]}]);
+    d["nodes"] = json!([{"mesh": 0}]);
+    d["scenes"] = json!([{"nodes": [0]}]);
+    assert_eq!(load(&d).unwrap().0.shapes.len(), 1);
+}
+
+#[test]
 fn without_a_camera_everything_is_in_the_picture() {
     let mut d = document();
     d["nodes"][3].as_object_mut().unwrap().remove("camera");

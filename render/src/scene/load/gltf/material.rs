@@ -188,9 +188,6 @@ impl Builder<'_> {
             Some(t) => ColorTexture::Scaled(self.texture(&Reference::info(&t), Channel::Color, uv_sets)?, factor),
             None => ColorTexture::Constant(factor),
         };
-        if source.double_sided() {
-            self.warn(format_args!("{}: emits light from the front only", label(source)));
-        }
         Ok(Some(AreaEmitter { radiance }))
     }
 

@@ -6,6 +6,7 @@
 mod camera;
 mod data;
 mod material;
+mod sides;
 
 use super::error::{FileError, LoadError};
 use super::mesh::{Finish, finish};
@@ -191,8 +192,14 @@ impl<'a> Builder<'a> {
             if dropped > 0 {
                 self.warn(format_args!("{what}: {dropped} triangles without area are not drawn"));
             }
-            if !geometry.triangles.is_empty() {
-                shapes.push(Shape { geometry: Geometry::Mesh(geometry), material: made.id, emitter: made.emitter });
+            if geometry.triangles.is_empty() {
+                continue;
+            }
+            let lamp = made.emitter.is_some() && primitive.material().double_sided();
+            let back = if lamp { sides::behind(&geometry) } else { None };
+            for mesh in std::iter::once(geometry).chain(back) {
+                let geometry = Geometry::Mesh(mesh);
+                shapes.push(Shape { geometry, material: made.id, emitter: made.emitter.clone() });
             }
         }
         Ok(shapes)

@@ -76,7 +76,7 @@ fn area_vector(positions: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
 }
 
 /// Vertex normals as the mean of the faces' normals weighted by their angle at the vertex (Thürmer & Wüthrich 1998).
-fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
+pub fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     for t in &mesh.triangles {
         let normal = area_vector(&mesh.positions, t).normalize_or_zero().as_vec3();
