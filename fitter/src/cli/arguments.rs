@@ -1,0 +1,127 @@
+//! Arguments and values that several subcommands take.
+
+use anyhow::{Context, anyhow, ensure};
+use brdf_tables::material::Material;
+use brdf_tables::table::Table;
+use core::f64::consts::{PI, TAU};
+use fitter::recipe;
+use std::path::{Path, PathBuf};
+
+/// Number of worker threads; results do not depend on it.
+#[derive(clap::Args)]
+pub struct Threads {
+    /// Worker threads [default: one per core]; the result is the same for any number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// Sets up the thread pool of the process.
+    pub fn apply(&self) -> anyhow::Result<()> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+        pool.build_global().with_context(|| format!("--threads {threads}"))
+    }
+}
+
+/// The material of a command-line argument.
+pub fn material(argument: &str) -> anyhow::Result<Material> {
+    recipe::material(argument).map_err(|error| match error {
+        // A lone word is as likely a file name as a model.
+        recipe::RecipeError::Material { .. } if !argument.contains([':', '=']) && !argument.ends_with(".toml") => {
+            anyhow!("{error}; nor is there a file of this name")
+        }
+        error => error.into(),
+    })
+}
+
+/// Loads a table, naming the file in an error.
+pub fn table(path: &Path) -> anyhow::Result<Table> {
+    let name = || path.display().to_string();
+    let is_file = std::fs::metadata(path).with_context(name)?.is_file();
+    ensure!(is_file, "{}: not a regular file", path.display());
+    Table::load(path).with_context(name)
+}
+
+/// Refuses a place that cannot be written to, before any work is done for it.
+pub fn writable(path: &Path) -> anyhow::Result<()> {
+    ensure!(path.file_name().is_some() && !path.is_dir(), "{}: is a directory, not a file", path.display());
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    ensure!(folder.is_dir(), "{}: there is no directory {}", path.display(), folder.display());
+    Ok(())
+}
+
+/// Writes `bytes` to a temporary file beside `path` and renames it.
+pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.tmp", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let written = std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path));
+    written.map_err(|error| {
+        // What is left of the temporary file is of no use.
+        let _ = std::fs::remove_file(&temporary);
+        anyhow!("{}: {error}", path.display())
+    })
+}
+
+/// A tolerance: a fraction between 0 and 1, both excluded.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    if value > 0.0 && value < 1.0 {
+        Ok(value)
+    } else {
+        Err("a fraction between 0 and 1 is needed, 0.005 for 0.5 %".into())
+    }
+}
+
+/// A solid angle in (0, 2π] sr: a number, or a multiple of pi such as `pi/10` or `0.5pi`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidAngle {
+    /// Its value, sr.
+    pub sr: f64,
+    /// How it is written in a caption.
+    pub text: String,
+}
+
+impl std::str::FromStr for SolidAngle {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |t: &str| t.trim().parse::<f64>().map_err(|_| "expected a number, pi/10 or 2pi".to_string());
+        let sr = match text.split_once("pi") {
+            None => number(text)?,
+            Some((factor, rest)) => {
+                let factor = if factor.trim().is_empty() { 1.0 } else { number(factor.trim_end_matches('*'))? };
+                let divisor = match rest.trim().strip_prefix('/') {
+                    Some(divisor) => number(divisor)?,
+                    None if rest.trim().is_empty() => 1.0,
+                    None => return Err("expected a number, pi/10 or 2pi".into()),
+                };
+                factor * PI / divisor
+            }
+        };
+        if !(sr > 0.0 && sr <= TAU * (1.0 + 1e-12)) {
+            return Err(format!("{sr} sr is outside (0, 2 pi]"));
+        }
+        Ok(Self { sr, text: text.replace("pi", "π") })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solid_angles_are_numbers_or_multiples_of_pi() {
+        let sr = |text: &str| text.parse::<SolidAngle>().map(|s| s.sr).ok();
+        for (text, value) in [("0.25", 0.25), ("pi/10", PI / 10.0), ("2pi", TAU), ("0.5*pi", PI / 2.0)] {
+            assert_eq!(sr(text), Some(value), "{text}");
+        }
+        for bad in ["", "0", "-1", "7", "pi/0", "pi10", "nan", "inf", "x"] {
+            assert_eq!(sr(bad), None, "{bad}");
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! `fitter check`: measures a table against an independent integration.
+
+use super::progress::Progress;
+use super::{Outcome, arguments, report};
+use crate::text::percent;
+use brdf_tables::table::Table;
+use fitter::check::{Check, check};
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  fitter check phong.table
+  fitter check phong.table --points 5000 --seed 7
+  fitter check phong.table --json | jq .passed
+
+JSON keys: file, material, representation, points, seed, passed, promise, main,
+clipped, wide, worst. Errors are fractions, angles radian, solid angles sr.";
+
+/// Measure a table against an independent integration
+///
+/// Draws random caps off the nodes of the table: of its main domain (radius up to 2.5 lobe widths, zenith up to 84
+/// degrees), which the promise is about, and a quarter as many across the horizon and of any width. The exit code is 1
+/// when the table is worse than it promises.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Table, as `fitter fit` writes it
+    file: PathBuf,
+    /// Random caps of the main domain
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    points: u32,
+    /// Seed of the caps
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    threads: arguments::Threads,
+}
+
+/// Checks and reports.
+pub fn run(args: Args) -> anyhow::Result<Outcome> {
+    args.threads.apply()?;
+    let table = arguments::table(&args.file)?;
+    let progress = Progress::new("check");
+    let check = check(&table, args.points as usize, args.seed, &|fraction| progress.set(fraction));
+    drop(progress);
+    let text = if args.json { format!("{:#}\n", json(&args, &table, &check)) } else { text(&args, &table, &check) };
+    std::io::stdout().lock().write_all(text.as_bytes())?;
+    Ok(if check.passed { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+fn text(args: &Args, table: &Table, check: &Check) -> String {
+    let verdict = if check.passed { "passed" } else { "FAILED" };
+    let (name, material) = (table.representation_name(), table.header.material);
+    let mut text = format!("{}: {verdict}, {name} {material}\n", args.file.display());
+    let Some((cap, errors)) = &check.worst else {
+        return text + "the mean BRDF is the constant kd/pi: there is nothing to measure\n";
+    };
+    let sets = [("main domain", &check.main), ("across horizon", &check.clipped), ("wide caps", &check.wide)];
+    text += &report::errors_table(&sets);
+    let [median, p95, worst] = check.promise.map(percent);
+    let (theta, phi, omega) = (cap.theta(), cap.phi(), cap.solid_angle());
+    let largest = percent(f64::from(errors.rmse_lobe));
+    text + &format!(
+        "worst cap: theta_e = {theta:.4} rad, phi_e = {phi:.4} rad, omega = {omega:.4e} sr, rmse_lobe {largest} %\n\
+         promised rmse_lobe: median {median} %, p95 {p95} %, worst {worst} %\n"
+    )
+}
+
+/// The report as JSON; `worst` is null when there is nothing to measure.
+fn json(args: &Args, table: &Table, check: &Check) -> Value {
+    let [median, p95, worst] = check.promise;
+    json!({
+        "file": args.file.display().to_string(),
+        "material": table.header.material.to_string(),
+        "representation": table.representation_name(),
+        "points": args.points,
+        "seed": args.seed,
+        "passed": check.passed,
+        "promise": { "median": median, "p95": p95, "worst": worst },
+        "main": report::summary_json(&check.main),
+        "clipped": report::summary_json(&check.clipped),
+        "wide": report::summary_json(&check.wide),
+        "worst": check.worst.map(|(cap, errors)| json!({
+            "theta_e": cap.theta(),
+            "phi_e": cap.phi(),
+            "omega": cap.solid_angle(),
+            "errors": report::errors_json(&errors),
+        })),
+    })
+}

@@ -1,0 +1,249 @@
+//! `fitter fit`: from a material to a table.
+
+use super::progress::Progress;
+use super::{Outcome, arguments, report};
+use anyhow::{Context, bail};
+use brdf_tables::material::Material;
+use brdf_tables::table::Table;
+use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use fitter::fit::{Choice, Options, TOLERANCE, fit};
+use fitter::solver::SolverKind;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  fitter fit phong:exponent=100
+      the cheapest representation, to phong-exponent-100.table
+  fitter fit tables/ward-0.1-0.5.toml
+      a recipe in a file, to tables/ward-0.1-0.5.table
+  fitter fit ggx:alpha=0.1,f0=0.04,kd=0.3 --tolerance 0.001 -o plastic.table
+      ten times the accuracy of an image
+  fitter fit phong:exponent=40 --preset paper
+      as published in 2015, the baseline
+  fitter fit phong:exponent=40 --solver nelder-mead --lobes 3
+      lobes by a solver of your choice
+
+Models and their keys, beside kd and ks:
+  lambert      reflectance (and no kd or ks)
+  phong        exponent
+  lafortune    lobes=[[cx,cy,cz,n],...]
+  ward         alpha_x, alpha_y, variant
+  beckmann     alpha (or alpha_x, alpha_y), f0 (or eta, k)
+  ggx          as beckmann
+A colour is one number or [r,g,b].";
+
+/// Fit a table of the mean BRDF of a material, and measure its errors
+///
+/// Prints the representation and why it was chosen, its size, the time, and the five errors of the mean BRDF (root
+/// mean square over the hemisphere and over the lobe, L1, largest, albedo) at the nodes, at random caps off them, and at
+/// random caps that cross the horizon. The file is written at the end, at once: an interrupted fit leaves none.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Inline recipe such as phong:exponent=100,ks=1,kd=0, or a TOML file
+    material: String,
+    /// Table to write [default: named after the material; beside the recipe when that is a file]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// How to store the mean BRDF [default: auto, the cheapest that meets the tolerance; lobes with --solver or --lobes]
+    #[arg(long, value_name = "NAME", conflicts_with = "preset", value_parser = choices())]
+    representation: Option<Choice>,
+    /// Settings as a whole: paper is the lobe table of 2015, fitted by the genetic algorithm, polished
+    #[arg(long, value_name = "NAME")]
+    preset: Option<Preset>,
+    /// Optimiser of the lobes [default: lm, the fastest and the most accurate]
+    #[arg(long, value_name = "NAME", value_parser = solvers())]
+    solver: Option<SolverKind>,
+    /// Lobes per cell, 1 to 16, or auto: as few as the tolerance needs [default: auto; 2 on the grid of the paper]
+    #[arg(long, value_name = "K|auto")]
+    lobes: Option<Count>,
+    /// Root mean square error over the lobe to reach, as a fraction of the peak
+    #[arg(long, value_name = "T", default_value_t = TOLERANCE, value_parser = arguments::tolerance)]
+    tolerance: f64,
+    /// Seed of the random solvers and of the caps at which errors are measured
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    #[command(flatten)]
+    threads: arguments::Threads,
+}
+
+/// Names that stand for several settings.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Preset {
+    Default,
+    Paper,
+}
+
+/// Number of lobes as typed.
+#[derive(Clone, Copy)]
+enum Count {
+    Auto,
+    Exactly(u8),
+}
+
+impl std::str::FromStr for Count {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(count @ 1..=16) => Ok(Self::Exactly(count)),
+            _ if text == "auto" => Ok(Self::Auto),
+            _ => Err("expected a number in 1..=16 or auto".into()),
+        }
+    }
+}
+
+fn choices() -> impl TypedValueParser<Value = Choice> {
+    PossibleValuesParser::new(Choice::ALL.map(Choice::name)).try_map(|name| name.parse::<Choice>())
+}
+
+/// Solvers by name, for this command and for `chart`.
+pub fn solvers() -> impl TypedValueParser<Value = SolverKind> {
+    PossibleValuesParser::new(SolverKind::ALL.map(SolverKind::name)).try_map(|name| name.parse::<SolverKind>())
+}
+
+/// What is to be fitted, and how, after every flag has been found to have a meaning.
+struct Job {
+    material: Material,
+    output: PathBuf,
+    representation: Choice,
+    solver: SolverKind,
+    lobes: Option<usize>,
+    command: String,
+}
+
+impl Args {
+    fn validate(&self) -> anyhow::Result<Job> {
+        let material = arguments::material(&self.material)?;
+        let flag = match (self.solver, self.lobes) {
+            (Some(_), _) => Some("--solver"),
+            (None, Some(_)) => Some("--lobes"),
+            (None, None) => None,
+        };
+        let representation = match (self.representation, self.preset) {
+            (Some(choice), _) => choice,
+            (None, Some(Preset::Paper)) => Choice::Paper,
+            (None, Some(Preset::Default)) => Choice::Auto,
+            (None, None) if flag.is_some() => Choice::Lobes,
+            (None, None) => Choice::Auto,
+        };
+        if let (Some(flag), Choice::Auto | Choice::Zonal | Choice::Cubature) = (flag, representation) {
+            bail!("{flag} has no use with representation {representation}, which fits no lobes");
+        }
+        if material.specular.is_none() && representation != Choice::Auto {
+            bail!("{}: a diffuse material has nothing to fit, so {representation} cannot hold it", self.material);
+        }
+        let lobes = match self.lobes {
+            Some(Count::Auto) if representation == Choice::Paper => {
+                bail!("--lobes auto has no use on the grid of the paper, whose cells have equally many lobes");
+            }
+            Some(Count::Exactly(count)) => Some(usize::from(count)),
+            Some(Count::Auto) | None => None,
+        };
+        let default = if self.preset == Some(Preset::Paper) {
+            SolverKind::GeneticPolished
+        } else {
+            SolverKind::LevenbergMarquardt
+        };
+        let output = self.output.clone().unwrap_or_else(|| default_output(&self.material));
+        arguments::writable(&output)?;
+        let solver = self.solver.unwrap_or(default);
+        Ok(Job { material, output, representation, solver, lobes, command: self.command() })
+    }
+
+    /// The command line with every argument that shapes the bytes of the table: the output and the threads do not.
+    fn command(&self) -> String {
+        let mut words = vec!["fitter fit".to_string(), quoted(&self.material)];
+        let mut flag = |name: &str, value: Option<String>| words.extend(value.map(|value| format!("--{name} {value}")));
+        flag("representation", self.representation.map(|choice| choice.to_string()));
+        flag("preset", self.preset.map(|preset| if preset == Preset::Paper { "paper" } else { "default" }.into()));
+        flag("solver", self.solver.map(|solver| solver.to_string()));
+        flag(
+            "lobes",
+            self.lobes.map(|lobes| match lobes {
+                Count::Auto => "auto".into(),
+                Count::Exactly(count) => count.to_string(),
+            }),
+        );
+        flag("tolerance", (self.tolerance != TOLERANCE).then(|| self.tolerance.to_string()));
+        flag("seed", Some(self.seed.to_string()));
+        words.join(" ")
+    }
+}
+
+/// A word for the shell.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=:,./+".contains(c);
+    if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+/// The recipe's file with another extension, or the words of the inline recipe joined by hyphens.
+fn default_output(material: &str) -> PathBuf {
+    if material.ends_with(".toml") || Path::new(material).is_file() {
+        return Path::new(material).with_extension("table");
+    }
+    let words = material.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
+    let mut name = words.collect::<Vec<_>>().join("-");
+    name.truncate(100);
+    PathBuf::from(name + ".table")
+}
+
+/// Fits, writes and reports.
+pub fn run(args: Args) -> anyhow::Result<Outcome> {
+    args.threads.apply()?;
+    let job = args.validate()?;
+    let progress = Progress::new(format!("fit {}", job.representation));
+    let start = Instant::now();
+    let options = Options {
+        representation: job.representation,
+        solver: job.solver,
+        lobes: job.lobes,
+        tolerance: args.tolerance,
+        seed: args.seed,
+        command: job.command.clone(),
+        progress: &|fraction| progress.set(fraction),
+    };
+    let table = fit(&job.material, &options).with_context(|| args.material.clone())?;
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    table.save(&job.output).with_context(|| job.output.display().to_string())?;
+    let bytes = std::fs::metadata(&job.output)?.len();
+    std::io::stdout().lock().write_all(text(&job, &table, bytes, seconds).as_bytes())?;
+    Ok(Outcome::Done)
+}
+
+fn text(job: &Job, table: &Table, bytes: u64, seconds: f64) -> String {
+    let header = &table.header;
+    let mut text =
+        format!("{}: {}, {bytes} bytes, {seconds:.2} s\n", job.output.display(), table.representation_name());
+    for note in &header.notes {
+        text.push_str(&format!("  {note}\n"));
+    }
+    let sets = [("at nodes", &header.at_nodes), ("off nodes", &header.off_nodes), ("across horizon", &header.clipped)];
+    if table.mean().is_some() {
+        text.push_str(&report::errors_table(&sets));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn output_is_named_after_the_material() {
+        let name = |material: &str| default_output(material).display().to_string();
+        assert_eq!(name("phong:exponent=100,ks=0.5"), "phong-exponent-100-ks-0.5.table");
+        assert_eq!(name("lafortune:lobes=[[-1, -1, 1, 20]]"), "lafortune-lobes-1-1-1-20.table");
+        assert_eq!(name("some/ward-0.1.toml"), "some/ward-0.1.table");
+    }
+
+    #[test]
+    fn words_are_quoted_for_the_shell() {
+        assert_eq!(quoted("phong:exponent=100,ks=0.5"), "phong:exponent=100,ks=0.5");
+        assert_eq!(quoted("it's [1, 2]"), "'it'\\''s [1, 2]'");
+    }
+}

@@ -1,0 +1,125 @@
+//! The command line: one file per subcommand, each with its arguments as typed and what they mean once validated.
+
+mod arguments;
+mod chart;
+mod check;
+mod fit;
+mod info;
+mod integrate;
+mod plot;
+mod progress;
+mod query;
+mod report;
+mod rows;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+use std::io::{self, ErrorKind::BrokenPipe};
+use std::process::ExitCode;
+
+/// Exit code of a check that failed.
+const FAILED: u8 = 1;
+/// Exit code of bad input or usage.
+const REFUSED: u8 = 2;
+
+const EXAMPLES: &str = "\
+Examples:
+  fitter fit phong:exponent=100 -o phong.table   fit, and measure the errors
+  fitter check phong.table                       measure again, independently
+  fitter info phong.table                        what is in it, how good it is
+  fitter plot phong.table -o phong.svg           polar cuts, exact against table
+  fitter chart phong:exponent=100 -o chart.svg   speed against accuracy
+
+  (echo theta_e,phi_e,omega,wo_x,wo_y,wo_z; echo 0.8,0,0.1,-0.6,0,0.8) |
+      fitter query phong.table
+
+Angles are in radians unless a name ends in -deg, solid angles in steradians.
+Directions are unit vectors in the local frame, z along the surface normal, and
+point away from the surface.
+
+Exit codes: 0 done, 1 a check failed, 2 bad input or usage.";
+
+/// Turn a material into a small table of its mean BRDF over spherical caps, and prove how good it is
+#[derive(Parser)]
+#[command(name = "fitter", version, subcommand_required = true, arg_required_else_help = true, after_help = EXAMPLES)]
+#[command(max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Fit(fit::Args),
+    Check(check::Args),
+    Query(query::Args),
+    Integrate(integrate::Args),
+    Info(info::Args),
+    Plot(plot::Args),
+    Chart(chart::Args),
+}
+
+/// How a command that did its work ended.
+enum Outcome {
+    Done,
+    CheckFailed,
+}
+
+/// Parses the command line, runs it, and reports an error in one line.
+pub fn main() -> ExitCode {
+    let result = match Cli::try_parse() {
+        Ok(cli) => run(cli.command),
+        Err(usage) => return refuse_usage(&usage),
+    };
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(FAILED),
+        // The reader of a pipe has seen enough.
+        Err(error) if error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == BrokenPipe) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("fitter: {}", report::one_line(&error));
+            ExitCode::from(REFUSED)
+        }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<Outcome> {
+    match command {
+        Command::Fit(args) => fit::run(args),
+        Command::Check(args) => check::run(args),
+        Command::Query(args) => query::run(args),
+        Command::Integrate(args) => integrate::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Plot(args) => plot::run(args),
+        Command::Chart(args) => chart::run(args),
+    }
+}
+
+/// Help and version as clap prints them; its error messages in one line.
+fn refuse_usage(error: &clap::Error) -> ExitCode {
+    if matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    ) {
+        // Nothing is left to do when standard output is closed.
+        let _ = error.print();
+        return ExitCode::from(error.exit_code() as u8);
+    }
+    let text = error.to_string();
+    let end = text.find("\n\nUsage:").or_else(|| text.find("\n\nFor more")).unwrap_or(text.len());
+    let message = text[..end].trim_start_matches("error:").replace("\n\n  tip: ", "; ");
+    let words: Vec<_> = message.split_whitespace().collect();
+    eprintln!("fitter: {} (see --help)", words.join(" "));
+    ExitCode::from(REFUSED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,11 @@
+//! `fitter`: from a material to a table of its mean BRDF, and the means to check, query, draw and chart it.
+
+mod chart;
+mod cli;
+mod figure;
+mod plot;
+mod text;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}
