@@ -245,3 +245,34 @@ fn substitutes_are_announced_once() {
     assert!(error("<shape type='cube'><bsdf type='hk'/></shape>").ends_with("the bsdf `hk` is not supported"));
     assert!(error("<shape type='cube'><bsdf type='diffuse'/><bsdf type='phong'/></shape>").contains("has two"));
 }
+
+#[test]
+fn numbers_outside_their_domain_are_refused() {
+    for (bsdf, what) in [
+        (
+            "<bsdf type='diffuse'><rgb name='reflectance' value='1.5 0 0'/></bsdf>",
+            "`reflectance` must lie between 0 and 1",
+        ),
+        ("<bsdf type='phong'><float name='exponent' value='-1'/></bsdf>", "`exponent` must lie between"),
+        ("<bsdf type='mask'><float name='opacity' value='2'/><bsdf type='diffuse'/></bsdf>", "`opacity` must lie"),
+        ("<bsdf type='roughplastic'><float name='alpha' value='-0.1'/></bsdf>", "above 0"),
+    ] {
+        let e = error(&format!("<shape type='cube'>{bsdf}</shape>"));
+        assert!(e.starts_with("scene.xml:2:20: <bsdf") && e.contains(what), "{e}");
+    }
+    let bright = "<bsdf type='diffuse'><rgb name='reflectance' value='1.5 0 0'/></bsdf>";
+    assert_eq!(legacy(bright), (Material::Diffuse { reflectance: ColorTexture::Constant(Vec3A::X * 0.99) }, 1));
+    for (shape, what) in [
+        (
+            "<shape type='cube'><transform name='to_world'><scale value='1e40'/></transform></shape>",
+            "not finite, or beyond",
+        ),
+        (
+            "<shape type='sphere'><transform name='to_world'><translate x='1e40'/></transform></shape>",
+            "a sphere of radius",
+        ),
+    ] {
+        let e = error(shape);
+        assert!(e.starts_with("scene.xml:2:1: <shape") && e.contains(what), "{e}");
+    }
+}

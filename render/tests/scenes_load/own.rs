@@ -165,3 +165,26 @@ fn assets_are_what_the_example_makes() {
 fn a_scene_outside_the_folder_cannot_use_names_of_it() {
     assert!(scene_error("<include filename='cornell/box.xml'/>").contains("cornell/box.xml: cannot read"));
 }
+
+#[test]
+fn mutated_scenes_never_panic() {
+    let scene = std::fs::read(folder().join("materials.xml")).unwrap();
+    let object = std::fs::read(folder().join("assets/object.serialized")).unwrap();
+    let folder = crate::Folder::new().with("assets/object.serialized", object);
+    let mut state = 1u64;
+    for _ in 0..400 {
+        let mut damaged = scene.clone();
+        for _ in 0..4 {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let at = (state >> 33) as usize % damaged.len();
+            match state >> 20 & 3 {
+                0 => damaged[at] = b' ' + (state >> 24) as u8 % 96,
+                1 => drop(damaged.remove(at)),
+                2 => damaged.insert(at, b"0-9.e<>\"/ $"[(state >> 24) as usize % 11]),
+                _ => damaged.truncate(at.max(damaged.len() - 40)),
+            }
+        }
+        std::fs::write(folder.path("s.xml"), damaged).unwrap();
+        folder.load("s.xml", &[]).ok();
+    }
+}

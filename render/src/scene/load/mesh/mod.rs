@@ -10,7 +10,7 @@ use glam::{Affine3A, DVec3, Vec3};
 use std::path::Path;
 
 /// Larger coordinates overflow the squared areas that single precision computes with.
-const MAX_COORDINATE: f32 = 1e9;
+pub const MAX_COORDINATE: f32 = 1e9;
 
 /// What the scene file asks of a mesh.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +33,7 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
         let what = format!("triangle {i} refers to vertices {t:?}, but there are only {count}");
         return Err(FileError::new(path, what));
     }
-    check_positions(&mesh, path)?;
+    check_positions(&mesh).map_err(|what| FileError::new(path, what))?;
     if finish.face_normals {
         mesh.normals.clear();
     }
@@ -41,7 +41,7 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     if finish.flip_normals {
         mesh = mesh.flipped();
     }
-    check_positions(&mesh, path)?;
+    check_positions(&mesh).map_err(|what| FileError::new(path, what))?;
     for (what, bad) in [
         ("normal", mesh.normals.iter().position(|n| !n.is_finite())),
         ("texture coordinate", mesh.uvs.iter().position(|t| !t.is_finite())),
@@ -62,11 +62,11 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     Ok((mesh, dropped))
 }
 
-fn check_positions(mesh: &Mesh, path: &Path) -> Result<(), FileError> {
+/// Refuses vertices that are not finite or too far away to compute with.
+pub fn check_positions(mesh: &Mesh) -> Result<(), String> {
     let usable = |p: &Vec3| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE;
     let Some(i) = mesh.positions.iter().position(|p| !usable(p)) else { return Ok(()) };
-    let what = format!("vertex {i} lies at {}: not finite, or beyond {MAX_COORDINATE:e}", mesh.positions[i]);
-    Err(FileError::new(path, what))
+    Err(format!("vertex {i} lies at {}: not finite, or beyond {MAX_COORDINATE:e}", mesh.positions[i]))
 }
 
 /// (b − a) × (c − a): twice the area along the front's normal.

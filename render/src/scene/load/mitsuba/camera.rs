@@ -7,6 +7,9 @@ use crate::scene::load::similarity::similarity;
 use crate::scene::{Camera, Crop, Film, Filter};
 use glam::{DAffine3, Vec2};
 
+/// Larger films are refused.
+const MAX_PIXELS: u64 = 1 << 28;
+
 impl Builder<'_> {
     pub(super) fn sensor(&mut self, object: &Object) -> Result<(), LoadError> {
         match object.plugin.as_str() {
@@ -33,11 +36,15 @@ impl Builder<'_> {
         let (rotation, _) = similarity(to_world.matrix3)
             .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal and of equal length"))?;
         let shift = |name| object.number_or(name, 0.0).map(|v| v as f32);
+        let (near, far) = (object.number_or("near_clip", 1e-2)? as f32, object.number_or("far_clip", 1e4)? as f32);
+        if !(0.0 <= near && near < far) {
+            return Err(object.error(format!("clip distances of {near} and {far}")));
+        }
         self.scene.camera = Camera {
             to_world: DAffine3 { matrix3: rotation, translation: to_world.translation }.as_affine3a(),
             fov_x: fov_x(object, f64::from(film.width) / f64::from(film.height))? as f32,
-            near: object.number_or("near_clip", 1e-2)? as f32,
-            far: object.number_or("far_clip", 1e4)? as f32,
+            near,
+            far,
             principal_point: Vec2::new(shift("principal_point_offset_x")?, shift("principal_point_offset_y")?),
             film,
         };
@@ -55,6 +62,9 @@ impl Builder<'_> {
             self.warn(object, format_args!("pixel format `{format}`: the picture is written as rgb"));
         }
         let (width, height) = (object.count_or("width", 768)?, object.count_or("height", 576)?);
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return Err(object.error(format!("a film of {width} × {height} pixels")));
+        }
         let (crop_width, crop_height) = (object.number("crop_width")?, object.number("crop_height")?);
         let crop = Crop {
             x: object.count_or("crop_offset_x", 0)?,

@@ -46,28 +46,28 @@ impl Builder<'_> {
         let grey = |v: f32| ColorTexture::Constant(Rgb::splat(v));
         match object.plugin.as_str() {
             "diffuse" => {
-                let old_name = self.color_texture(object, "diffuse_reflectance", grey(0.5))?;
-                Ok(Material::Diffuse { reflectance: self.color_texture(object, "reflectance", old_name)? })
+                let old_name = self.reflectance(object, "diffuse_reflectance", grey(0.5))?;
+                Ok(Material::Diffuse { reflectance: self.reflectance(object, "reflectance", old_name)? })
             }
             "roughdiffuse" => {
                 self.warn(object, "`roughdiffuse` is drawn as `diffuse`");
                 object.ignore(&["alpha", "use_fast_approx"]);
-                Ok(Material::Diffuse { reflectance: self.color_texture(object, "reflectance", grey(0.5))? })
+                Ok(Material::Diffuse { reflectance: self.reflectance(object, "reflectance", grey(0.5))? })
             }
             "phong" => {
                 let (diffuse, specular) = self.diffuse_and_specular(object)?;
-                let exponent = self.float_texture(object, "exponent", FloatTexture::Constant(30.0))?;
+                let exponent = self.number_in(object, "exponent", 30.0, 0.0..=1e6)?;
                 Ok(Material::Phong { diffuse, specular, exponent })
             }
             "ward" => self.ward(object),
             "conductor" => {
                 let ((eta, k), specular) =
-                    (self.metal(object)?, self.color_texture(object, "specular_reflectance", grey(1.0))?);
+                    (self.metal(object)?, self.reflectance(object, "specular_reflectance", grey(1.0))?);
                 Ok(Material::Conductor { eta, k, specular })
             }
             "roughconductor" => {
                 let ((eta, k), specular) =
-                    (self.metal(object)?, self.color_texture(object, "specular_reflectance", grey(1.0))?);
+                    (self.metal(object)?, self.reflectance(object, "specular_reflectance", grey(1.0))?);
                 let Roughness { distribution, alpha_u, alpha_v } = self.roughness(object)?;
                 Ok(Material::RoughConductor { distribution, alpha_u, alpha_v, eta, k, specular })
             }
@@ -86,14 +86,14 @@ impl Builder<'_> {
             }
             "plastic" => {
                 let eta = ior(object, "int_ior", "polypropylene")? / ior(object, "ext_ior", "air")?;
-                let diffuse = self.color_texture(object, "diffuse_reflectance", grey(0.5))?;
-                let specular = self.color_texture(object, "specular_reflectance", grey(1.0))?;
+                let diffuse = self.reflectance(object, "diffuse_reflectance", grey(0.5))?;
+                let specular = self.reflectance(object, "specular_reflectance", grey(1.0))?;
                 Ok(Material::Plastic { eta, diffuse, specular, nonlinear: object.boolean_or("nonlinear", false)? })
             }
             "roughplastic" => self.rough_plastic(object),
             "twosided" => self.two_sided(object),
             "mask" => {
-                let opacity = self.float_texture(object, "opacity", FloatTexture::Constant(0.5))?;
+                let opacity = self.number_in(object, "opacity", 0.5, 0.0..=1.0)?;
                 Ok(Material::Mask { opacity, inner: self.inner(object)? })
             }
             "null" => {
@@ -110,7 +110,7 @@ impl Builder<'_> {
                 Ok(Material::NormalMap { texture, scale: 1.0, inner: self.inner(object)? })
             }
             "blendbsdf" => {
-                let weight = self.float_texture(object, "weight", FloatTexture::Constant(0.5))?;
+                let weight = self.number_in(object, "weight", 0.5, 0.0..=1.0)?;
                 match self.nested(object)?.as_slice() {
                     &[first, second] => Ok(Material::Blend { weight, first, second }),
                     other => Err(object.error(format!("two bsdfs inside are needed, not {}", other.len()))),
@@ -143,11 +143,45 @@ impl Builder<'_> {
         }
     }
 
+    /// A reflectance or transmittance: a colour of 0 … 1, or a texture. Version 0.x scales constants that exceed 1.
+    fn reflectance(&mut self, object: &Object, name: &str, default: ColorTexture) -> Result<ColorTexture, LoadError> {
+        let color = self.color_texture(object, name, default)?;
+        match color {
+            ColorTexture::Constant(c) if c.max_element() > 1.0 && self.objects.legacy => {
+                self.warn(object, format_args!("`{name}` exceeds 1: it is scaled, as Mitsuba 0.6 does"));
+                Ok(ColorTexture::Constant(c * (0.99 / c.max_element())))
+            }
+            ColorTexture::Constant(c) if c.max_element() > 1.0 => {
+                Err(object.error(format!("`{name}` must lie between 0 and 1, but is {c}")))
+            }
+            _ => Ok(color),
+        }
+    }
+
+    /// A number of `range`, or a texture.
+    fn number_in(
+        &mut self,
+        object: &Object,
+        name: &str,
+        default: f32,
+        range: std::ops::RangeInclusive<f32>,
+    ) -> Result<FloatTexture, LoadError> {
+        let number = self.float_texture(object, name, FloatTexture::Constant(default))?;
+        match number {
+            FloatTexture::Constant(v) if !range.contains(&v) => Err(object.error(format!(
+                "`{name}` must lie between {} and {}, but is {v}",
+                range.start(),
+                range.end()
+            ))),
+            _ => Ok(number),
+        }
+    }
+
     /// kd and ks of phong and ward. Version 0.x scales both where they reflect more than comes in.
     fn diffuse_and_specular(&mut self, object: &Object) -> Result<(ColorTexture, ColorTexture), LoadError> {
         let constant = |v| ColorTexture::Constant(Rgb::splat(v));
-        let diffuse = self.color_texture(object, "diffuse_reflectance", constant(0.5))?;
-        let specular = self.color_texture(object, "specular_reflectance", constant(0.2))?;
+        let diffuse = self.reflectance(object, "diffuse_reflectance", constant(0.5))?;
+        let specular = self.reflectance(object, "specular_reflectance", constant(0.2))?;
         let largest = (diffuse.mean(&self.scene.textures) + specular.mean(&self.scene.textures)).max_element();
         if !self.objects.legacy || largest <= 1.0 {
             return Ok((diffuse, specular));
@@ -231,8 +265,8 @@ impl Builder<'_> {
     fn interface(&mut self, object: &Object) -> Result<(f32, ColorTexture, ColorTexture), LoadError> {
         let one = ColorTexture::Constant(Rgb::ONE);
         let eta = ior(object, "int_ior", "bk7")? / ior(object, "ext_ior", "air")?;
-        let reflectance = self.color_texture(object, "specular_reflectance", one)?;
-        Ok((eta, reflectance, self.color_texture(object, "specular_transmittance", one)?))
+        let reflectance = self.reflectance(object, "specular_reflectance", one)?;
+        Ok((eta, reflectance, self.reflectance(object, "specular_transmittance", one)?))
     }
 
     fn rough_plastic(&mut self, object: &Object) -> Result<Material, LoadError> {
@@ -245,8 +279,8 @@ impl Builder<'_> {
             distribution: self.distribution(object)?,
             alpha,
             eta: ior(object, "int_ior", "polypropylene")? / ior(object, "ext_ior", "air")?,
-            diffuse: self.color_texture(object, "diffuse_reflectance", constant(0.5))?,
-            specular: self.color_texture(object, "specular_reflectance", constant(1.0))?,
+            diffuse: self.reflectance(object, "diffuse_reflectance", constant(0.5))?,
+            specular: self.reflectance(object, "specular_reflectance", constant(1.0))?,
             nonlinear: object.boolean_or("nonlinear", false)?,
         })
     }
@@ -298,10 +332,9 @@ impl Builder<'_> {
     /// The part of Mitsuba's `principled` that glTF has too.
     fn principled(&mut self, object: &Object) -> Result<Material, LoadError> {
         self.warn(object, "`principled` is drawn with its base_color, metallic, roughness and specular only");
-        let zero = FloatTexture::Constant(0.0);
-        let base_color = self.color_texture(object, "base_color", ColorTexture::Constant(Rgb::splat(0.5)))?;
-        let metallic = self.float_texture(object, "metallic", zero)?;
-        let roughness = self.float_texture(object, "roughness", FloatTexture::Constant(0.5))?;
+        let base_color = self.reflectance(object, "base_color", ColorTexture::Constant(Rgb::splat(0.5)))?;
+        let metallic = self.number_in(object, "metallic", 0.0, 0.0..=1.0)?;
+        let roughness = self.number_in(object, "roughness", 0.5, 0.0..=1.0)?;
         let f0 = 0.08 * object.number_or("specular", 0.5)? as f32;
         Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0 })
     }

@@ -4,7 +4,7 @@ use super::Builder;
 use super::object::Object;
 use super::objects::ObjectId;
 use crate::scene::load::error::{FileError, LoadError, Place, read_file};
-use crate::scene::load::mesh::{Finish, finish, obj, ply, serialized};
+use crate::scene::load::mesh::{Finish, MAX_COORDINATE, check_positions, finish, obj, ply, serialized};
 use crate::scene::load::similarity::similarity;
 use crate::scene::{
     AreaEmitter, ColorTexture, Geometry, Group, Instance, Material, MaterialId, Mesh, Rgb, Shape, Sphere,
@@ -121,6 +121,9 @@ impl Builder<'_> {
     fn instance(&mut self, object: &Object) -> Result<(), LoadError> {
         let objects = self.objects;
         let to_world = object.transform("to_world")?.as_affine3a();
+        if !to_world.is_finite() || !to_world.inverse().is_finite() {
+            return Err(object.error("the transform is too large or too small for single precision"));
+        }
         let mut inside = object.children_of(objects, "shape");
         let (Some((group, _)), None) = (inside.next(), inside.next()) else {
             return Err(object.error("an instance refers to exactly one shapegroup"));
@@ -161,7 +164,10 @@ fn source(builder: &Builder, object: &Object, files: &mut HashMap<PathBuf, Arc<V
     let to_world = object.transform("to_world")?;
     let flip = object.boolean_or("flip_normals", false)?;
     let placed = to_world.as_affine3a();
-    let mesh = |m: Mesh| Ok(Source::Ready(Geometry::Mesh(if flip { m.flipped() } else { m })));
+    let mesh = |m: Mesh| {
+        check_positions(&m).map_err(|what| object.error(what))?;
+        Ok(Source::Ready(Geometry::Mesh(if flip { m.flipped() } else { m })))
+    };
     let format = match object.plugin.as_str() {
         "rectangle" => return mesh(Mesh::rectangle(placed)),
         "cube" => return mesh(Mesh::cube(placed)),
@@ -200,10 +206,10 @@ fn sphere(object: &Object, inward: bool) -> Result<Sphere, LoadError> {
         .ok_or_else(|| object.error("a sphere cannot be scaled differently along different axes"))?;
     let center = object.vector("center")?.unwrap_or(DVec3::ZERO);
     let radius = object.number_or("radius", 1.0)? * scale;
-    if radius <= 0.0 {
-        return Err(object.error(format!("a radius of {radius}")));
-    }
     let center = to_world.transform_point3(center).as_vec3a();
+    if radius <= 0.0 || radius > MAX_COORDINATE.into() || center.abs().max_element() > MAX_COORDINATE {
+        return Err(object.error(format!("a sphere of radius {radius} around {center}")));
+    }
     Ok(Sphere { center, radius: radius as f32, rotation: rotation.as_mat3().into(), inward })
 }
 
