@@ -159,7 +159,7 @@ impl Surface {
         let to_center = s.center - p;
         let distance2 = to_center.length_squared();
         let radius2 = s.radius * s.radius;
-        if s.inward != (distance2 <= radius2) {
+        if !s.inward && distance2 <= radius2 {
             return None; // sees the back only
         }
         let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();

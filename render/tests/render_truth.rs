@@ -1,0 +1,13 @@
+//! The path tracer against what is known to be true:
+//! closed forms, its plain twin, itself on other numbers of threads, converged images of another renderer.
+
+#[path = "render_truth/analytic.rs"]
+mod analytic;
+#[path = "render_truth/leaks.rs"]
+mod leaks;
+#[path = "render_truth/references.rs"]
+mod references;
+#[path = "render_truth/scenes.rs"]
+mod scenes;
+#[path = "render_truth/twin.rs"]
+mod twin;
