@@ -40,13 +40,16 @@ pub struct Measurement<'a> {
     pub step: &'a dyn Fn(&str),
 }
 
+/// Measures the points of a curve.
+type Method<'a> = Box<dyn Fn(&Bench) -> anyhow::Result<Vec<Point>> + 'a>;
+
 /// Measures every method.
 ///
 /// # Errors
 /// The material has no specular part, or cannot be fitted.
 pub fn measure(what: &Measurement) -> anyhow::Result<Chart> {
     let specular = what.material.specular.context("a diffuse material")?;
-    let mut methods: Vec<(String, Box<dyn Fn(&Bench) -> anyhow::Result<Vec<Point>>>)> = Vec::new();
+    let mut methods: Vec<(String, Method)> = Vec::new();
     let radial = specular.radial_exponent().is_some();
     if radial {
         methods.push(("zonal".into(), Box::new(move |bench| Ok(zonal_points(bench, specular)))));

@@ -51,8 +51,8 @@ pub struct Args {
 fn default_solid_angles(specular: &Specular) -> Vec<SolidAngle> {
     let pi_over = |n: [u32; 2]| n.map(|n| SolidAngle { sr: PI / f64::from(n), text: format!("π/{n}") }).to_vec();
     match specular.radial_exponent() {
-        Some((_, n)) if n == 40.0 => pi_over([10, 30]),
-        Some((_, n)) if n == 200.0 => pi_over([10, 100]),
+        Some((_, 40.0)) => pi_over([10, 30]),
+        Some((_, 200.0)) => pi_over([10, 100]),
         _ => [2.0, 1.0]
             .map(|widths| {
                 let sigma = (widths * specular.lobe_width()).min(FRAC_PI_2);
