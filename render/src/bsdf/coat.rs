@@ -91,9 +91,7 @@ impl CoatTable {
                 (interface.reflectance, 2.0 * w.dot(h) * h - w)
             };
             let right_side = (out.z < 0.0) == transmitted;
-            // Below the surface the shadowing is that of the mirrored direction.
-            let shadowing = facets.g1(out, h * if transmitted { -1.0 } else { 1.0 });
-            if right_side && share > 0.0 { visible * share * shadowing } else { 0.0 }
+            if right_side && share > 0.0 { visible * share * facets.g1(out, h) } else { 0.0 }
         };
         points.map(weight).sum::<f32>() / (Self::POINTS * Self::POINTS) as f32
     }
@@ -144,5 +142,31 @@ impl RoughCoat<'_> {
             return self.facets.sample_reflection(wo, u).map(Scatter::Direction);
         }
         Some(Scatter::Direction(cosine_hemisphere(u)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coat_that_is_nearly_smooth_passes_what_a_smooth_one_passes() {
+        for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+            let table = CoatTable::new(distribution, 0.01, 1.5);
+            for cos in [0.3, 0.6, 1.0] {
+                let smooth = 1.0 - fresnel::dielectric(cos, 1.5).reflectance;
+                assert!((table.transmittance(cos) - smooth).abs() < 5e-3, "{} {smooth}", table.transmittance(cos));
+            }
+            let internal = fresnel::diffuse_reflectance(1.0 / 1.5);
+            assert!((table.internal - internal).abs() < 5e-3, "{} {internal}", table.internal);
+        }
+    }
+
+    #[test]
+    fn a_rough_coat_still_passes_most_light() {
+        for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+            let table = CoatTable::new(distribution, 0.4, 1.5);
+            assert!((0.85..0.97).contains(&table.transmittance(0.9)), "{}", table.transmittance(0.9));
+        }
     }
 }

@@ -13,13 +13,13 @@ impl EnvironmentMap {
         Vec2::new(if u < 0.0 { u + 1.0 } else { u }, local.y.clamp(-1.0, 1.0).acos() / PI)
     }
 
-    /// Radiance from the unit direction `d`: bilinear, periodic in u, clamped at the poles.
+    /// Radiance from the unit direction `d`: bilinear, periodic in u, the first and last row being the poles.
     #[inline]
     pub fn radiance(&self, d: Vec3A) -> Rgb {
         let (w, h) = (self.image.width as usize, self.image.height as usize);
-        let p = self.uv(d) * Vec2::new(w as f32, h as f32) - 0.5;
+        let p = self.uv(d) * Vec2::new(w as f32, (h - 1) as f32) - Vec2::new(0.5, 0.0);
         let f = p - p.floor();
-        let (x0, y0) = (p.x.floor() as i32, p.y.floor() as i32);
+        let (x0, y0) = (p.x.floor() as i32, p.y as usize);
         let x = [x0, x0 + 1].map(|x| {
             if x < 0 {
                 w - 1
@@ -29,7 +29,7 @@ impl EnvironmentMap {
                 x as usize
             }
         });
-        let y = [y0, y0 + 1].map(|y| y.clamp(0, h as i32 - 1) as usize * w);
+        let y = [y0.min(h - 1) * w, (y0 + 1).min(h - 1) * w];
         let row = |y: usize| self.image.texels.get(y + x[0]).lerp(self.image.texels.get(y + x[1]), f.x);
         row(y[0]).lerp(row(y[1]), f.y) * self.scale
     }
@@ -88,8 +88,8 @@ impl Cdf {
     }
 }
 
-/// Chooses a texel by its mean brightness (that of the interpolated image, so no light is out of reach) times the solid
-/// angle of its row, then a point of the texel.
+/// Chooses a cell (a texel across, from row to row down) by its mean brightness, that of the interpolated image so that
+/// no light is out of reach, times the solid angle; then a point of the cell.
 #[derive(Clone, Debug)]
 pub(super) struct MapSampler {
     rows: Cdf,
@@ -103,15 +103,14 @@ impl MapSampler {
             let c = map.image.texels.get(y * w + x);
             f64::from((c.x + c.y + c.z).max(0.0))
         };
-        // The mean of a bilinear function over a texel weighs the neighbours by 1/8, 6/8, 1/8 along each axis.
+        // The mean of a bilinear function over a texel weighs the neighbours by 1/8, 6/8, 1/8.
         let across = |x: usize, y: usize| {
             0.125 * (brightness((x + w - 1) % w, y) + brightness((x + 1) % w, y)) + 0.75 * brightness(x, y)
         };
-        let texel = |x: usize, y: usize| {
-            0.125 * (across(x, y.saturating_sub(1)) + across(x, (y + 1).min(h - 1))) + 0.75 * across(x, y)
-        };
-        let (columns, sums): (Vec<_>, Vec<_>) = (0..h).map(|y| Cdf::new((0..w).map(move |x| texel(x, y)))).unzip();
-        let sine = |y: usize| (core::f64::consts::PI * (y as f64 + 0.5) / h as f64).sin();
+        let cell = |x: usize, y: usize| 0.5 * (across(x, y) + across(x, (y + 1).min(h - 1)));
+        let n = (h - 1).max(1);
+        let (columns, sums): (Vec<_>, Vec<_>) = (0..n).map(|y| Cdf::new((0..w).map(move |x| cell(x, y)))).unzip();
+        let sine = |y: usize| (core::f64::consts::PI * (y as f64 + 0.5) / n as f64).sin();
         let rows = Cdf::new(sums.iter().enumerate().map(|(y, s)| s * sine(y))).0;
         Self { rows, columns }
     }

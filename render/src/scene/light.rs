@@ -52,7 +52,8 @@ pub enum Environment {
 }
 
 /// A latitude-longitude image. A unit direction d in the map's own frame (y up) has
-/// u = atan2(d.x, −d.z)/2π modulo 1 and v = acos(d.y)/π; row 0 of the image is v = 0, its first texel u = 0.
+/// u = atan2(d.x, −d.z)/2π modulo 1 and v = acos(d.y)/π. As in Mitsuba 3, the centre of texel (i, j) of a w × h image is
+/// at u = (i + ½)/w and v = j/(h − 1): the first and the last row are the poles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentMap {
     /// Radiance before `scale`; `wrap`, `interpolation` and `to_uv` of the bitmap are not used.
