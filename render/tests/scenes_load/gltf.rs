@@ -200,6 +200,16 @@ fn every_mode_of_triangles() {
 }
 
 #[test]
+fn attributes_of_an_application_are_skipped_and_darkness_is_announced() {
+    let mut d = document();
+    d["meshes"][0]["primitives"][0]["attributes"]["_weight"] = 2.into();
+    assert!(load(&d).unwrap().1.is_empty());
+    d["scenes"][0]["nodes"] = json!([0, 3]);
+    let (_, warnings) = load(&d).unwrap();
+    assert!(warnings.len() == 1 && warnings[0].contains("gives off light"), "{warnings:?}");
+}
+
+#[test]
 fn double_sided_lamps_shine_on_both_sides() {
     let mut d = document();
     d["materials"][1]["doubleSided"] = true.into();

@@ -124,6 +124,9 @@ impl<'a> Builder<'a> {
         if document.animations().len() > 0 || document.skins().len() > 0 {
             self.warn("animations and skins are ignored: everything is drawn in its rest pose");
         }
+        if self.scene.lights.is_empty() && self.scene.shapes.iter().all(|s| s.emitter.is_none()) {
+            self.warn("nothing in the file gives off light: the picture is black (glTF has no environment)");
+        }
         if !self.has_camera {
             self.warn("the file has no perspective camera: the picture is taken from a corner, with everything in it");
             self.frame_everything();
