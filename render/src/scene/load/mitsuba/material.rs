@@ -1,10 +1,10 @@
 //! `bsdf`: scattering models, and models made of others.
 
 use super::Builder;
+use super::ior::ior;
 use super::object::Object;
 use super::objects::ObjectId;
 use super::texture::Decode;
-use crate::scene::load::color::conductor;
 use crate::scene::load::error::LoadError;
 use crate::scene::{ColorTexture, Distribution, FloatTexture, Material, MaterialId, Rgb, WardVariant};
 
@@ -122,27 +122,6 @@ impl Builder<'_> {
         }
     }
 
-    /// Materials nested in another one, in order.
-    fn nested(&mut self, object: &Object) -> Result<Vec<MaterialId>, LoadError> {
-        let inside: Vec<_> = object.children_of(self.objects, "bsdf").map(|(id, _)| id).collect();
-        inside.into_iter().map(|id| self.material(id)).collect()
-    }
-
-    fn inner(&mut self, object: &Object) -> Result<MaterialId, LoadError> {
-        match self.nested(object)?.as_slice() {
-            &[inner] => Ok(inner),
-            other => Err(object.error(format!("one bsdf inside is needed, not {}", other.len()))),
-        }
-    }
-
-    fn two_sided(&mut self, object: &Object) -> Result<Material, LoadError> {
-        match self.nested(object)?.as_slice() {
-            &[both] => Ok(Material::TwoSided { front: both, back: both }),
-            &[front, back] => Ok(Material::TwoSided { front, back }),
-            other => Err(object.error(format!("one or two bsdfs inside are needed, not {}", other.len()))),
-        }
-    }
-
     /// A reflectance or transmittance: a colour of 0 … 1, or a texture. Version 0.x scales constants that exceed 1.
     fn reflectance(&mut self, object: &Object, name: &str, default: ColorTexture) -> Result<ColorTexture, LoadError> {
         let color = self.color_texture(object, name, default)?;
@@ -239,28 +218,6 @@ impl Builder<'_> {
         Ok(Roughness { distribution: self.distribution(object)?, alpha_u, alpha_v })
     }
 
-    /// eta and k over the index outside. Version 0.x defaults to copper in air, version 3 to a perfect mirror.
-    fn metal(&mut self, object: &Object) -> Result<(Rgb, Rgb), LoadError> {
-        for name in ["eta", "k"] {
-            if object.child_named(name).is_some() {
-                return Err(object.error(format!("a texture for `{name}` is not supported")));
-            }
-        }
-        let (eta, k) = (object.color("eta")?, object.color("k")?);
-        let material = object.text("material")?;
-        if material.is_some() && (eta.is_some() || k.is_some()) {
-            return Err(object.error("give either `material` or `eta` and `k`"));
-        }
-        let name = material.unwrap_or(if self.objects.legacy && eta.is_none() && k.is_none() { "Cu" } else { "none" });
-        let preset = conductor(name).ok_or_else(|| object.error(format!("no such conductor: `{name}`")))?;
-        let outside = if self.objects.legacy && name != "none" || eta.is_some() {
-            ior(object, "ext_eta", if self.objects.legacy { "air" } else { "vacuum" })?
-        } else {
-            1.0
-        };
-        Ok((eta.unwrap_or(preset.0) / outside, k.unwrap_or(preset.1) / outside))
-    }
-
     /// Index inside over outside, factors on reflection and transmission.
     fn interface(&mut self, object: &Object) -> Result<(f32, ColorTexture, ColorTexture), LoadError> {
         let one = ColorTexture::Constant(Rgb::ONE);
@@ -285,50 +242,6 @@ impl Builder<'_> {
         })
     }
 
-    /// Texture and factor of a height field; version 0.x scales it by a `scale` texture around it.
-    fn height(&mut self, object: &Object) -> Result<(crate::scene::TextureId, f32), LoadError> {
-        let (mut id, mut factor) = (self.inner_texture(object)?, 1.0);
-        let objects = self.objects;
-        while objects[id].plugin == "scale" {
-            factor *= objects[id].number_or("scale", 1.0)? as f32;
-            id = self.inner_texture(&objects[id])?;
-        }
-        Ok((self.texture(id, Decode::Scalar)?, factor))
-    }
-
-    /// Weights w₁ … wₙ as nested blends; what is missing to a sum of 1 is black.
-    fn mixture(&mut self, object: &Object) -> Result<Material, LoadError> {
-        let weights = super::value::numbers(object.require_text("weights")?).map_err(|e| object.error(e))?;
-        let mut parts = self.nested(object)?;
-        let sum: f64 = weights.iter().sum();
-        if parts.is_empty() || parts.len() != weights.len() || weights.iter().any(|w| *w < 0.0) || sum <= 0.0 {
-            let what = format!("{} weights ≥ 0 are needed, one for each bsdf inside", parts.len());
-            return Err(object.error(what));
-        }
-        if sum > 1.0 + 1e-6 {
-            self.warn(object, format_args!("the weights add up to {sum}: they are divided by that, as Mitsuba does"));
-        }
-        let mut weights: Vec<f64> = weights.iter().map(|w| w / sum.max(1.0)).collect();
-        if sum < 1.0 - 1e-6 {
-            let black = Material::Diffuse { reflectance: ColorTexture::Constant(Rgb::ZERO) };
-            parts.push(self.push_material(black, "black".into()));
-            weights.push(1.0 - sum);
-        }
-        // From the end: the first of the rest has the share w / (sum of the rest).
-        let (mut rest, mut rest_weight) = (parts[parts.len() - 1], weights[weights.len() - 1]);
-        let mut whole = Material::Blend { weight: FloatTexture::Constant(0.0), first: rest, second: rest };
-        for i in (0..parts.len() - 1).rev() {
-            let total = weights[i] + rest_weight;
-            let share = if total > 0.0 { rest_weight / total } else { 0.0 };
-            whole = Material::Blend { weight: FloatTexture::Constant(share as f32), first: parts[i], second: rest };
-            rest_weight = total;
-            if i > 0 {
-                rest = self.push_material(whole.clone(), format!("mixture:{}", object.place.line));
-            }
-        }
-        Ok(whole)
-    }
-
     /// The part of Mitsuba's `principled` that glTF has too.
     fn principled(&mut self, object: &Object) -> Result<Material, LoadError> {
         self.warn(object, "`principled` is drawn with its base_color, metallic, roughness and specular only");
@@ -339,30 +252,3 @@ impl Builder<'_> {
         Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0 })
     }
 }
-
-/// Index of refraction given as a number or as the name of a dielectric.
-fn ior(object: &Object, name: &str, default: &str) -> Result<f32, LoadError> {
-    let text = match object.parameter(name).map(|p| &p.value) {
-        Some(super::object::Value::Number(_)) => {
-            let value = object.number_or(name, 1.0)?;
-            if value <= 0.0 {
-                return Err(object.error(format!("an index of refraction of {value}")));
-            }
-            return Ok(value as f32);
-        }
-        Some(_) => object.require_text(name)?.to_ascii_lowercase(),
-        None => default.to_string(),
-    };
-    let found = DIELECTRICS.iter().find(|(n, _)| *n == text);
-    found.map(|(_, ior)| *ior).ok_or_else(|| object.error(format!("no such dielectric: `{text}`")))
-}
-
-/// Indices of refraction at 589 nm (Hecht, Optics, 4th edition), under Mitsuba's names.
-#[rustfmt::skip]
-const DIELECTRICS: [(&str, f32); 23] = [
-    ("vacuum", 1.0), ("helium", 1.000036), ("hydrogen", 1.000132), ("air", 1.000277), ("carbon dioxide", 1.00045),
-    ("water", 1.333), ("acetone", 1.36), ("ethanol", 1.361), ("carbon tetrachloride", 1.461), ("glycerol", 1.4729),
-    ("benzene", 1.501), ("silicone oil", 1.52045), ("bromine", 1.661), ("water ice", 1.31), ("fused quartz", 1.458),
-    ("pyrex", 1.47), ("acrylic glass", 1.49), ("polypropylene", 1.49), ("bk7", 1.5046), ("sodium chloride", 1.544),
-    ("amber", 1.55), ("pet", 1.575), ("diamond", 2.419),
-];

@@ -1,7 +1,9 @@
 //! Mitsuba scene files, versions 0.4 – 0.6 (camelCase) and 2 – 3 (snake_case).
 
 mod camera;
+mod composite;
 mod emitter;
+mod ior;
 mod material;
 mod object;
 mod objects;
