@@ -105,7 +105,7 @@ impl Table {
             }
             Representation::Cubature(t) => {
                 let (axes, nodes) = t.parts();
-                (Shape::Cubature { axes }, nodes.to_vec())
+                (Shape::Cubature { axes }, nodes.as_flattened().to_vec())
             }
             Representation::Lobes(t) => {
                 let (axes, count, data) = t.parts();
@@ -257,7 +257,9 @@ impl Shape {
                     .map(Representation::Zonal)
             }
             Shape::Cubature { axes } => {
-                grid(axes).and_then(|axes| Cubature::new(specular, axes, bytes)).map(Representation::Cubature)
+                let (nodes, rest) = bytes.as_chunks::<2>();
+                let axes = grid(axes).filter(|_| rest.is_empty());
+                axes.and_then(|axes| Cubature::new(specular, axes, nodes)).map(Representation::Cubature)
             }
             Shape::Lobes { axes, count } if count as usize <= LOBE_SIZE * 4 => {
                 let data = read_floats(bytes)?;

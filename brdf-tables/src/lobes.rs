@@ -5,17 +5,19 @@
 //! coefficients (whose peak falls by exp(−nΔθ²/8) between two rows, and which need not be in the same order).
 
 use crate::axis::{Axes, Place};
-use crate::batch::{CapBatch, MIN_HEIGHT};
+use crate::batch::CapBatch;
 use crate::cap::Cap;
 use crate::lobe::Lobe;
 use crate::mean::MeanBrdf;
 use crate::real::{LANES, Real};
-use core::f64::consts::TAU;
+use core::f64::consts::FRAC_PI_2;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// Numbers stored per lobe: axis, amplitude, exponent.
 pub const LOBE_SIZE: usize = 5;
+/// Lobes per node come in groups of this size, which move into vector lanes at once.
+const GROUP: usize = 4;
 
 /// A grid of sums of lobes.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +32,8 @@ impl Lobes {
     /// From the numbers of all nodes; `None` when their count is wrong or one cannot belong to a lobe.
     pub fn new(axes: Axes, count: usize, data: Vec<f32>) -> Option<Self> {
         let stride = count.checked_mul(LOBE_SIZE)?;
-        if count == 0 || count > LANES || stride.checked_mul(axes.len())? != data.len() {
+        if count == 0 || count > LANES || !count.is_multiple_of(GROUP) || stride.checked_mul(axes.len())? != data.len()
+        {
             return None;
         }
         let valid = data.chunks(stride).all(|node| {
@@ -41,7 +44,7 @@ impl Lobes {
 
     /// From one list of lobes per node, each in the mirror frame of its node; short lists are padded with zeros.
     pub fn from_nodes(axes: Axes, nodes: &[Vec<Lobe>]) -> Option<Self> {
-        let count = nodes.iter().map(Vec::len).max()?.max(1);
+        let count = nodes.iter().map(Vec::len).max()?.max(1).next_multiple_of(GROUP);
         let mut data = vec![0f32; axes.len() * count * LOBE_SIZE];
         for (node, lobes) in data.chunks_mut(count * LOBE_SIZE).zip(nodes) {
             for k in 0..count {
@@ -135,34 +138,89 @@ impl MeanBrdf for Lobes {
     }
 }
 
-/// One cap at a time, sixteen lobes of its corners at once.
+/// Everything that a cap's look-up needs, for sixteen caps: computed across lanes, used cap by cap.
+struct Prepared {
+    /// `wo` in the mirror frame.
+    w: [[f32; LANES]; 3],
+    /// Lower node in θe, φe, Ω.
+    index: [[f32; LANES]; 3],
+    /// Way to the upper node.
+    fraction: [[f32; LANES]; 3],
+}
+
+#[inline(always)]
+fn prepare<S: Simd>(simd: S, axes: &Axes, lanes: [&[f32; LANES]; 4], wo: Vec3) -> Prepared {
+    let [x, y, z, height] = lanes.map(|lanes| f32x16::load_array_ref(simd, lanes));
+    let (zero, one) = (z.lit(0.0), z.lit(1.0));
+    // The mirror frame, as in `into_mirror_frame`.
+    let sin = Real::sqrt(x.sq() + y.sq());
+    let flat = sin.lt(z.lit(1e-9));
+    let over = one / Real::select(flat, one, sin);
+    let (cp, sp) = (Real::select(flat, one, x * over), Real::select(flat, zero, y * over));
+    let (u, v) = (cp * wo.x + sp * wo.y, cp * wo.y - sp * wo.x);
+    let v = Real::select((x * y).lt(zero), -v, v);
+    let w = [u * z + sin * wo.z, v, z * wo.z - u * sin];
+    // Places on the axes.
+    let theta = (z.lit(FRAC_PI_2) - Real::asin(Real::min(z, one))) * z.lit(1.0 / FRAC_PI_2);
+    let phi = if axes.phi == 1 { zero } else { Real::asin(Real::min(Real::abs(sp), one)) * z.lit(1.0 / FRAC_PI_2) };
+    let tau = (height * z.lit(0.5 * axes.sharpness) + 1.0).log2() * z.lit(1.0 / (1.0 + 0.5 * axes.sharpness).log2());
+    let omega = if axes.stretch == 1.0 { tau } else { tau.powf(z.lit(axes.stretch)) };
+    let mut prepared = Prepared { w: w.map(|w| w.to_array()), index: [[0.0; LANES]; 3], fraction: [[0.0; LANES]; 3] };
+    for (k, (x, nodes)) in [(theta, axes.theta), (phi, axes.phi), (omega, axes.omega)].into_iter().enumerate() {
+        let x = Real::clamp(x, zero, one) * z.lit(f64::from(nodes - 1));
+        let index = Real::floor(Real::min(x, z.lit(f64::from(nodes.saturating_sub(2)))));
+        (prepared.index[k], prepared.fraction[k]) = (index.to_array(), (x - index).to_array());
+    }
+    prepared
+}
+
+/// Adds sixteen lobes towards `w`, lane by lane.
+#[inline(always)]
+fn lobe_sum<S: Simd>(simd: S, lanes: &[[f32; LANES]; LOBE_SIZE], w: [f32; 3], sum: f32x16<S>) -> f32x16<S> {
+    let [x, y, z, a, n] = lanes.map(|lane| f32x16::load_array(simd, lane));
+    let cos = x * w[0] + y * w[1] + z * w[2];
+    Real::mul_add(a, cos.powf(n), sum)
+}
+
+/// Sixteen lobes at a time, of the corners of one cap.
 #[inline(always)]
 fn batch<S: Simd>(simd: S, table: &Lobes, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
-    let (count, stride) = (table.count, table.count * LOBE_SIZE);
-    for (i, out) in out.iter_mut().enumerate() {
-        let (axis, solid_angle) = caps.get(i);
-        let axis = axis.as_dvec3();
-        let w = into_mirror_frame(axis, wo.as_dvec3()).as_vec3();
-        let mut lanes = [[0f32; LANES]; LOBE_SIZE];
-        let (mut filled, mut sum) = (0, 0.0);
-        let flush = |lanes: &[[f32; LANES]; LOBE_SIZE]| -> f32 {
-            let [x, y, z, a, n] = lanes.map(|lane| f32x16::load_array(simd, lane));
-            let cos = x * w.x + y * w.y + z * w.z;
-            (a * cos.powf(n)).to_array().iter().sum()
-        };
-        for (node, weight) in table.around(axis, f64::from(solid_angle).clamp(TAU * f64::from(MIN_HEIGHT), TAU)) {
-            if filled + count > LANES {
-                sum += flush(&lanes);
-                lanes = [[0f32; LANES]; LOBE_SIZE];
-                filled = 0;
+    let (count, axes) = (table.count, &table.axes);
+    let stride = count * LOBE_SIZE;
+    for (block, out) in out.chunks_mut(LANES).enumerate() {
+        let p = prepare(simd, axes, caps.lanes(block * LANES), wo);
+        for (i, out) in out.iter_mut().enumerate() {
+            let [t, phi, o] = core::array::from_fn(|k| p.index[k][i] as usize);
+            let [ft, fp, fo] = core::array::from_fn(|k| p.fraction[k][i]);
+            let w = core::array::from_fn(|k| p.w[k][i]);
+            let mut lanes = [[0f32; LANES]; LOBE_SIZE];
+            let (mut filled, mut sum) = (0, f32x16::splat(simd, 0.0));
+            for (p, wp) in [(phi, 1.0 - fp), (phi + 1, fp)] {
+                for (t, wt) in [(t, wp * (1.0 - ft)), (t + 1, wp * ft)] {
+                    for (o, weight) in [(o, wt * (1.0 - fo)), (o + 1, wt * fo)] {
+                        // A weight of zero is that of a node beyond the last, too.
+                        if weight == 0.0 {
+                            continue;
+                        }
+                        if filled + count > LANES {
+                            sum = lobe_sum(simd, &lanes, w, sum);
+                            lanes[3] = [0.0; LANES];
+                            filled = 0;
+                        }
+                        let node = &table.data[axes.index(t, p, o) * stride..][..stride];
+                        for k in (0..count).step_by(GROUP) {
+                            for (slot, lane) in lanes.iter_mut().enumerate() {
+                                let scale = if slot == 3 { weight } else { 1.0 };
+                                for i in 0..GROUP {
+                                    lane[filled + i] = scale * node[slot * count + k + i];
+                                }
+                            }
+                            filled += GROUP;
+                        }
+                    }
+                }
             }
-            let node = &table.data[node * stride..][..stride];
-            for (slot, lane) in lanes.iter_mut().enumerate() {
-                lane[filled..filled + count].copy_from_slice(&node[slot * count..][..count]);
-            }
-            lanes[3][filled..filled + count].iter_mut().for_each(|a| *a *= weight as f32);
-            filled += count;
+            *out = lobe_sum(simd, &lanes, w, sum).to_array().iter().sum::<f32>().max(0.0);
         }
-        *out = (sum + flush(&lanes)).max(0.0);
     }
 }

@@ -137,18 +137,12 @@ impl Zonal {
         let (iu, iv) = (gu.floor().min(rows - one), gv.floor().min(columns - one));
         let (fu, fv) = (gu - iu, gv - iv);
         let index = iu.mul_add(one.lit(self.columns as f64), iv);
-        let corner = |offset: usize| T::fetch_pair(index, &self.cells[offset..]);
-        let (p00, r00) = corner(0);
-        let (p01, r01) = corner(1);
-        let (p10, r10) = corner(self.columns);
-        let (p11, r11) = corner(self.columns + 1);
-        let blend = |a: T, b: T, c: T, d: T, [offset, step]: [f64; 2]| {
-            let low = (b - a).mul_add(fv, a);
-            let high = (d - c).mul_add(fv, c);
-            (high - low).mul_add(fu, low).mul_add(one.lit(step), one.lit(offset))
-        };
-        let tp = blend(p00, p01, p10, p11, self.scale[0]);
-        let tr = blend(r00, r01, r10, r11, self.scale[1]);
+        let (p00, r00) = T::fetch_pair(index, &self.cells);
+        let (p01, r01) = T::fetch_pair(index, &self.cells[1..]);
+        let (p10, r10) = T::fetch_pair(index, &self.cells[self.columns..]);
+        let (p11, r11) = T::fetch_pair(index, &self.cells[self.columns + 1..]);
+        let tp = bilinear([p00, p01, p10, p11], fu, fv, self.scale[0]);
+        let tr = bilinear([r00, r01, r10, r11], fu, fv, self.scale[1]);
 
         let cos_delta = one - d2 * one.lit(0.5);
         let sum = tp * axis[2] + tr * (wo[2] - axis[2] * cos_delta);
@@ -166,6 +160,13 @@ impl Zonal {
         let small = -x * (h.lit(1.0) + x * (h.lit(0.5) + x * (h.lit(1.0 / 6.0) + x * h.lit(1.0 / 24.0))));
         T::select((-x).lt(h.lit(0.05)), small, h.lit(1.0) - x.exp())
     }
+}
+
+/// Between the corners (u, v) = 00, 01, 10, 11, then offset + step · x.
+#[inline(always)]
+fn bilinear<T: Real>([a, b, c, d]: [T; 4], fu: T, fv: T, [offset, step]: [f64; 2]) -> T {
+    let (low, high) = ((b - a).mul_add(fv, a), (d - c).mul_add(fv, c));
+    (high - low).mul_add(fu, low).mul_add(a.lit(step), a.lit(offset))
 }
 
 /// Whether a cap crosses the horizon: sin²σ > cos²θe.

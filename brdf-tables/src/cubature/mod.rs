@@ -89,8 +89,8 @@ pub fn numerator<T: Real, F: Formula>(
     // Back to the surface frame, which matters to an anisotropic model only (the others come with the identity).
     let turn = rotation != (1.0, 0.0);
     let (cos_p, sin_p) = (one.lit(rotation.0), one.lit(rotation.1));
-    let turned = |[x, y, z]: [T; 3]| if turn { [x * cos_p - y * sin_p, x * sin_p + y * cos_p, z] } else { [x, y, z] };
-    let wo = turned([one.lit(lobe.sin_o), zero, one.lit(lobe.cos_o)]);
+    let wo = [one.lit(lobe.sin_o), zero, one.lit(lobe.cos_o)];
+    let wo = if turn { turned(wo, cos_p, sin_p) } else { wo };
 
     // The cap: its meridian a_cap, and sinρ, the half width in a.
     let cos_r = one - height;
@@ -168,8 +168,9 @@ pub fn numerator<T: Real, F: Formula>(
             let q = ridge + offset;
             let cos_b = (one - q.sq()).max(tiny).sqrt();
             let wi = [cos_b * sin_a, q, cos_b * cos_a];
+            let wi = if turn { turned(wi, cos_p, sin_p) } else { wi };
             let measure = jacobian * one.fill(weight) * wi[2];
-            row = measure.mul_add(formula.f(turned(wi), wo), row);
+            row = measure.mul_add(formula.f(wi, wo), row);
             row_area = row_area + measure;
         }
         let measure = jacobian * one.fill(weight);
@@ -177,4 +178,10 @@ pub fn numerator<T: Real, F: Formula>(
         area = measure.mul_add(row_area, area);
     }
     (sum, area)
+}
+
+/// A vector rotated about z.
+#[inline(always)]
+fn turned<T: Real>([x, y, z]: [T; 3], cos: T, sin: T) -> [T; 3] {
+    [x * cos - y * sin, x * sin + y * cos, z]
 }

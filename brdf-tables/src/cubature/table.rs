@@ -6,10 +6,11 @@ use crate::axis::Axes;
 use crate::batch::{CapBatch, MIN_HEIGHT};
 use crate::brdf::{Brdf, Formula, Specular, Visitor};
 use crate::cap::{Cap, projected_solid_angle};
+use crate::frame::mirror;
 use crate::gauss::gauss_legendre;
 use crate::mean::MeanBrdf;
 use crate::real::{LANES, Real};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
 use std::sync::OnceLock;
@@ -18,6 +19,8 @@ use std::sync::OnceLock;
 pub const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
 /// Rules up to this index (3 × 3) serve caps smaller than the lobe: they divide by their own estimate of the denominator.
 const SELF_NORMALISED: usize = 2;
+/// The rule (2 × 2) for views so far from the mirrored cap that F is below 1/1000 of its maximum.
+const FAR: u8 = 1;
 
 /// The Gauss–Legendre rule of order `ORDERS[index]`, in f64 and in f32.
 fn rule(index: usize) -> &'static (Vec<(f64, f64)>, Vec<(f32, f32)>) {
@@ -37,38 +40,46 @@ pub struct Cubature {
     specular: Specular,
     isotropic: bool,
     axes: Axes,
-    /// Order index per node.
-    nodes: Vec<u8>,
-    /// Order index per interval of the grid: the largest over its corners.
-    intervals: Vec<u8>,
+    /// Per node: order index, and support angle in steps of π/255.
+    nodes: Vec<[u8; 2]>,
+    /// Per interval of the grid, the largest over its corners: order index, and (2 sin ½s)² of the support angle s.
+    intervals: Vec<(u8, f32)>,
 }
 
 impl Cubature {
-    /// From the order index of every node of `axes`; `None` when an index or the count is wrong.
-    pub fn new(specular: Specular, axes: Axes, nodes: &[u8]) -> Option<Self> {
-        if nodes.len() != axes.len() || nodes.iter().any(|&i| usize::from(i) >= ORDERS.len()) {
+    /// From the order index and the support angle (in steps of π/255, rounded up) of every node of `axes`; `None` when an
+    /// index or the count is wrong. Beyond the support F is below 1/1000 of its maximum, and 2 × 2 nodes do.
+    pub fn new(specular: Specular, axes: Axes, nodes: &[[u8; 2]]) -> Option<Self> {
+        if nodes.len() != axes.len() || nodes.iter().any(|n| usize::from(n[0]) >= ORDERS.len()) {
             return None;
         }
         let (nt, np, no) = (axes.theta as usize, axes.phi as usize, axes.omega as usize);
-        // The azimuth is left out of the look-up: an interval takes the largest order over it.
-        let mut intervals = vec![0; (nt - 1) * (no - 1)];
+        let mut intervals = Vec::with_capacity((nt - 1) * (no - 1));
         for t in 0..nt - 1 {
             for o in 0..no - 1 {
+                // The azimuth is left out of the look-up: an interval takes the largest over it.
                 let corners = (0..np).flat_map(|p| [(t, p, o), (t + 1, p, o), (t, p, o + 1), (t + 1, p, o + 1)]);
-                intervals[t * (no - 1) + o] = corners.map(|(t, p, o)| nodes[axes.index(t, p, o)]).max().unwrap_or(0);
+                let largest = corners.fold([0; 2], |[order, support]: [u8; 2], (t, p, o)| {
+                    let node = nodes[axes.index(t, p, o)];
+                    [order.max(node[0]), support.max(node[1])]
+                });
+                let reach = 2.0 * (0.5 * PI * f64::from(largest[1]) / 255.0).sin();
+                intervals.push((largest[0], (reach * reach) as f32));
             }
         }
-        Some(Self { specular, isotropic: specular.is_isotropic(), axes, nodes: nodes.to_vec(), intervals })
+        let isotropic = specular.is_isotropic();
+        Some(Self { specular, isotropic, axes, nodes: nodes.to_vec(), intervals })
     }
 
-    /// Grid and order index of every node, as [`Cubature::new`] takes them.
-    pub fn parts(&self) -> (Axes, &[u8]) {
+    /// Grid, order and support of every node, as [`Cubature::new`] takes them.
+    pub fn parts(&self) -> (Axes, &[[u8; 2]]) {
         (self.axes, &self.nodes)
     }
 
     /// One order (an index into [`ORDERS`]) everywhere.
     pub fn uniform(specular: Specular, order: u8) -> Option<Self> {
-        Self::new(specular, Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 }, &[order; 4])
+        let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
+        Self::new(specular, axes, &[[order, u8::MAX]; 4])
     }
 
     /// For caps that cross the horizon, the numerator of eq. 9 from the integral over the whole cap (in which cosθi is
@@ -119,18 +130,20 @@ impl Cubature {
 
     /// The largest order index of the table.
     fn largest(&self) -> usize {
-        usize::from(self.intervals.iter().copied().max().unwrap_or(0))
+        usize::from(self.intervals.iter().map(|i| i.0).max().unwrap_or(0))
     }
 
-    fn order(&self, theta: f64, omega: f64) -> u8 {
-        let (t, o) = (self.axes.theta_place(theta).index, self.axes.omega_place(omega).index);
-        self.intervals[t * (self.axes.omega as usize - 1) + o]
+    fn order(&self, cap: &Cap, wo: DVec3) -> usize {
+        let place = (self.axes.theta_place(cap.theta()), self.axes.omega_place(cap.solid_angle()));
+        let (order, reach2) = self.intervals[place.0.index * (self.axes.omega as usize - 1) + place.1.index];
+        let far = (wo - mirror(cap.axis())).length_squared() > f64::from(reach2);
+        usize::from(if far { order.min(FAR) } else { order })
     }
 
     /// The order index of sixteen caps at once.
     #[inline(always)]
-    fn orders<S: Simd>(&self, simd: S, cz: &[f32; LANES], height: &[f32; LANES]) -> [u8; LANES] {
-        let (cz, height) = (f32x16::load_array_ref(simd, cz), f32x16::load_array_ref(simd, height));
+    fn orders<S: Simd>(&self, simd: S, lanes: [&[f32; LANES]; 4], wo: Vec3) -> [u8; LANES] {
+        let [cx, cy, cz, height] = lanes.map(|lanes| f32x16::load_array_ref(simd, lanes));
         let (nt, no) = (self.axes.theta - 1, self.axes.omega - 1);
         let theta = (cz.lit(FRAC_PI_2) - Real::asin(Real::min(cz, cz.lit(1.0)))) * cz.lit(f64::from(nt) / FRAC_PI_2);
         // n Ω/4π = n h/2
@@ -140,7 +153,11 @@ impl Cubature {
         let t = Real::floor(Real::min(theta, cz.lit(f64::from(nt - 1))));
         let o = Real::floor(Real::min(tau, cz.lit(f64::from(no - 1))));
         let index = Real::max(t * cz.lit(f64::from(no)) + o, cz.lit(0.0)).to_array();
-        core::array::from_fn(|i| self.intervals[(index[i] as usize).min(self.intervals.len() - 1)])
+        let distance2 = ((cx + wo.x).sq() + (cy + wo.y).sq() + (cz - wo.z).sq()).to_array();
+        core::array::from_fn(|i| {
+            let (order, reach2) = self.intervals[(index[i] as usize).min(self.intervals.len() - 1)];
+            if distance2[i] > reach2 { order.min(FAR) } else { order }
+        })
     }
 }
 
@@ -159,7 +176,7 @@ impl MeanBrdf for Cubature {
             fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
                 let Run(table, cap, wo) = self;
                 let view = View::new(table, wo);
-                let order = usize::from(table.order(cap.theta(), cap.solid_angle()));
+                let order = table.order(cap, wo);
                 let (rule, _) = rule(order);
                 let axis = into_frame(cap.axis().to_array(), view.rotation);
                 let height = cap.height().max(f64::from(MIN_HEIGHT));
@@ -205,8 +222,8 @@ fn batch<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBa
         let mut orders = [0u8; CHUNK];
         let mut present = 0u32;
         for block in (0..count).step_by(LANES) {
-            let [_, _, cz, height] = caps.lanes(start + block);
-            orders[block..block + LANES].copy_from_slice(&table.orders(simd, cz, height));
+            let found = table.orders(simd, caps.lanes(start + block), wo.as_vec3());
+            orders[block..block + LANES].copy_from_slice(&found);
         }
         for &order in &orders[..count] {
             present |= 1 << order;

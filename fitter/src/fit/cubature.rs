@@ -6,6 +6,7 @@ use brdf_tables::axis::Axes;
 use brdf_tables::brdf::Specular;
 use brdf_tables::cubature::{Cubature, ORDERS};
 use brdf_tables::table::Representation;
+use core::f64::consts::PI;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -17,7 +18,7 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
     let candidates: Vec<Cubature> =
         (0..ORDERS.len() as u8).filter_map(|order| Cubature::uniform(*specular, order)).collect();
     let done = AtomicUsize::new(0);
-    let nodes: Vec<u8> = (0..axes.len())
+    let nodes: Vec<[u8; 2]> = (0..axes.len())
         .into_par_iter()
         .map(|i| {
             let (omega, rest) = (i % axes.omega as usize, i / axes.omega as usize);
@@ -30,13 +31,14 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
                 // The tail of a lobe weighs little in rmse_lobe, but it holds much of the energy of GGX.
                 within(errors.rmse_lobe, 1.0) && within(errors.l1, 3.0) && within(errors.albedo, 1.5)
             };
+            let support = (directions.support(&cap, &exact) / PI * 255.0).ceil().min(255.0) as u8;
             let order = candidates.iter().position(meets).unwrap_or(ORDERS.len() - 1) as u8;
             (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64);
-            order
+            [order, support]
         })
         .collect();
     let mut count = [0usize; ORDERS.len()];
-    nodes.iter().for_each(|&order| count[usize::from(order)] += 1);
+    nodes.iter().for_each(|node| count[usize::from(node[0])] += 1);
     let spread: Vec<String> =
         ORDERS.iter().zip(count).filter(|c| c.1 > 0).map(|(o, c)| format!("{o}×{o}: {c}")).collect();
     let table = Cubature::new(*specular, axes, &nodes).expect("one order per node");
