@@ -41,10 +41,14 @@ impl CapBatch {
     }
 
     /// Adds a cap around the unit vector `axis` (z ≥ 0) with solid angle Ω in sr. Values outside the domain are moved
-    /// to its edge, so that a look-up never meets one.
+    /// to its edge, so that a look-up never meets one; what is not a direction counts as the normal, what is not a number
+    /// as the smallest cap.
     pub fn push(&mut self, axis: Vec3, solid_angle: f32) {
-        let height = (solid_angle * (0.5 / core::f32::consts::PI)).clamp(MIN_HEIGHT, 1.0);
-        let values = [axis.x, axis.y, axis.z.max(0.0), height];
+        // `max` and `min`, unlike `clamp`, drop NaN; a comparison with NaN fails.
+        let height = (solid_angle * (0.5 / core::f32::consts::PI)).max(MIN_HEIGHT).min(1.0);
+        let inside = (axis.length_squared() - 1.0).abs() < 1e-3 && axis.z >= 0.0;
+        let axis = if inside { axis } else { axis.with_z(axis.z.max(0.0)).try_normalize().unwrap_or(Vec3::Z) };
+        let values = [axis.x, axis.y, axis.z, height];
         let columns = self.axis.iter_mut().chain([&mut self.height]);
         for ((column, value), pad) in columns.zip(values).zip([0.0, 0.0, 1.0, 0.5]) {
             if self.len.is_multiple_of(LANES) {

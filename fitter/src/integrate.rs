@@ -25,9 +25,13 @@ pub fn mean_brdf_mc(specular: &Specular, cap: &Cap, wo: DVec3, samples: usize, s
     estimate
 }
 
+/// Solid angle of a cap over that of the lobe below which uniform points alone are drawn.
+const SMALL: f64 = 0.25;
+
 /// F(cap; wo) of the specular part, tinted per channel, in sr⁻¹: Owen-scrambled Sobol points, half of them uniform in the
 /// cap and half from the BRDF, combined by the balance heuristic (Veach 1997), over any cap of the domain. At least 32
-/// samples are taken.
+/// samples are taken. For a cap much smaller than the lobe all are uniform: hardly a sample of the BRDF would meet it, and
+/// a share of the mean that no replicate sees is missing from the standard error.
 pub fn mean_brdf_mc_rgb(specular: &Specular, cap: &Cap, wo: DVec3, samples: usize, seed: u64) -> [Estimate; 3] {
     estimate(specular, cap, wo, samples, seed, |wi| specular.tint(wi, wo))
 }
@@ -42,12 +46,14 @@ fn estimate<const N: usize>(
 ) -> [Estimate; N] {
     let half = samples.div_ceil(2 * REPLICATES).max(1);
     let area = cap.projected_solid_angle();
+    let mixed = cap.solid_angle() * peak_density(specular, wo) > SMALL;
+    let half = if mixed { half } else { 2 * half };
     let mut means = [[0.0; N]; REPLICATES];
     for (replicate, mean) in means.iter_mut().enumerate() {
         // f cos over the sum of both densities: the balance heuristic for equally many samples of each kind.
         let mut add = |wi: DVec3| {
             if wi.z > 0.0 && cap.contains(wi) {
-                let density = 1.0 / cap.solid_angle() + specular.pdf(wi, wo);
+                let density = 1.0 / cap.solid_angle() + if mixed { specular.pdf(wi, wo) } else { 0.0 };
                 let value = specular.eval(wi, wo) * wi.z / (density * half as f64 * area);
                 for (m, t) in mean.iter_mut().zip(tint(wi)) {
                     *m += value * t;
@@ -60,7 +66,7 @@ fn estimate<const N: usize>(
             let scramble = (block ^ block >> 32) as u32;
             let u = |dimension| f64::from(sample((i % SEQUENCE) as u32, dimension, scramble));
             add(cap.sample(DVec2::new(u(0), u(1))));
-            if let Some(wi) = specular.sample(wo, DVec2::new(u(2), u(3))) {
+            if mixed && let Some(wi) = specular.sample(wo, DVec2::new(u(2), u(3))) {
                 add(wi);
             }
         }
@@ -70,4 +76,10 @@ fn estimate<const N: usize>(
         let variance = means.iter().map(|m| (m[c] - value).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
         Estimate { value, stderr: (variance / REPLICATES as f64).sqrt() }
     })
+}
+
+/// About the largest density of the sampler, sr⁻¹: the reciprocal of the lobe's solid angle.
+fn peak_density(specular: &Specular, wo: DVec3) -> f64 {
+    let grid = (0..64).map(|i| (DVec2::new((i / 8) as f64, (i % 8) as f64) + 0.5) / 8.0);
+    grid.filter_map(|u| specular.sample(wo, u)).map(|wi| specular.pdf(wi, wo)).fold(0.0, f64::max)
 }
