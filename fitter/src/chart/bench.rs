@@ -25,8 +25,8 @@ const BATCH: usize = 256;
 const SMALL_BATCH: usize = 8;
 /// As [`SMALL_BATCH`], ns.
 const SLOW: f64 = 5000.0;
-/// Runs, of which the median counts; fewer for slow methods.
-const RUNS: usize = 9;
+/// Runs per view, of which the median counts; fewer for slow methods.
+const RUNS: usize = 15;
 /// As [`RUNS`].
 const SLOW_RUNS: usize = 5;
 
@@ -73,23 +73,24 @@ impl Bench {
         Point { label: label.into(), nanoseconds, bytes, errors: Summary::new(&errors) }
     }
 
-    /// Median time of one evaluation over several runs through all views, ns.
+    /// Time of one evaluation, ns: the median over several runs for each view, and the mean over the views.
     fn nanoseconds(&self, mean: &dyn MeanBrdf, caps: &CapBatch, runs: usize) -> f64 {
         let mut out = vec![0f32; caps.len()];
-        let mut run = || {
-            // Long enough for the clock: at least a millisecond.
+        let mut run = |wo: Vec3| {
+            // Long enough for the clock, short enough to fit between two interruptions.
             let (start, mut passes) = (Instant::now(), 0);
-            while passes == 0 || start.elapsed().as_micros() < 1000 {
-                for &wo in &self.views {
-                    mean.values(black_box(caps), black_box(wo), &mut out);
-                    black_box(&mut out);
-                }
+            while passes == 0 || start.elapsed().as_micros() < 200 {
+                mean.values(black_box(caps), black_box(wo), &mut out);
+                black_box(&mut out);
                 passes += 1;
             }
-            start.elapsed().as_secs_f64() * 1e9 / (passes * self.views.len() * caps.len()) as f64
+            start.elapsed().as_secs_f64() * 1e9 / (passes * caps.len()) as f64
         };
-        let mut times: Vec<f64> = (0..runs).map(|_| run()).collect();
-        times.sort_by(f64::total_cmp);
-        times[runs / 2]
+        let median = |&wo: &Vec3| {
+            let mut times: Vec<f64> = (0..runs).map(|_| run(wo)).collect();
+            times.sort_by(f64::total_cmp);
+            times[runs / 2]
+        };
+        self.views.iter().map(median).sum::<f64>() / self.views.len() as f64
     }
 }

@@ -11,9 +11,9 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  fitter check phong.table
-  fitter check phong.table --points 5000 --seed 7
-  fitter check phong.table --json | jq .passed
+  fitter check phong.tbl
+  fitter check phong.tbl --points 5000 --seed 7
+  fitter check phong.tbl --json | jq .passed
 
 JSON keys: file, material, representation, points, seed, passed, promise, main,
 clipped, wide, worst. Errors are fractions, angles radian, solid angles sr.";

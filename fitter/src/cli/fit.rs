@@ -16,10 +16,10 @@ use std::time::Instant;
 const EXAMPLES: &str = "\
 Examples:
   fitter fit phong:exponent=100
-      the cheapest representation, to phong-exponent-100.table
+      the cheapest representation, to phong-exponent-100.tbl
   fitter fit tables/ward-0.1-0.5.toml
-      a recipe in a file, to tables/ward-0.1-0.5.table
-  fitter fit ggx:alpha=0.1,f0=0.04,kd=0.3 --tolerance 0.001 -o plastic.table
+      a recipe in a file, to tables/ward-0.1-0.5.tbl
+  fitter fit ggx:alpha=0.1,f0=0.04,kd=0.3 --tolerance 0.001 -o plastic.tbl
       ten times the accuracy of an image
   fitter fit phong:exponent=40 --preset paper
       as published in 2015, the baseline
@@ -183,12 +183,12 @@ fn quoted(word: &str) -> String {
 /// The recipe's file with another extension, or the words of the inline recipe joined by hyphens.
 fn default_output(material: &str) -> PathBuf {
     if material.ends_with(".toml") || Path::new(material).is_file() {
-        return Path::new(material).with_extension("table");
+        return Path::new(material).with_extension("tbl");
     }
     let words = material.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
     let mut name = words.collect::<Vec<_>>().join("-");
     name.truncate(100);
-    PathBuf::from(name + ".table")
+    PathBuf::from(name + ".tbl")
 }
 
 /// Fits, writes and reports.
@@ -236,9 +236,9 @@ mod tests {
     #[test]
     fn output_is_named_after_the_material() {
         let name = |material: &str| default_output(material).display().to_string();
-        assert_eq!(name("phong:exponent=100,ks=0.5"), "phong-exponent-100-ks-0.5.table");
-        assert_eq!(name("lafortune:lobes=[[-1, -1, 1, 20]]"), "lafortune-lobes-1-1-1-20.table");
-        assert_eq!(name("some/ward-0.1.toml"), "some/ward-0.1.table");
+        assert_eq!(name("phong:exponent=100,ks=0.5"), "phong-exponent-100-ks-0.5.tbl");
+        assert_eq!(name("lafortune:lobes=[[-1, -1, 1, 20]]"), "lafortune-lobes-1-1-1-20.tbl");
+        assert_eq!(name("some/ward-0.1.toml"), "some/ward-0.1.tbl");
     }
 
     #[test]

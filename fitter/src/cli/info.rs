@@ -10,8 +10,8 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  fitter info phong.table
-  fitter info phong.table --json | jq .off_nodes.p95.rmse_lobe";
+  fitter info phong.tbl
+  fitter info phong.tbl --json | jq .off_nodes.p95.rmse_lobe";
 
 /// Show what a table holds, how it was made and how good it is
 #[derive(clap::Args)]

@@ -24,14 +24,14 @@ const REFUSED: u8 = 2;
 
 const EXAMPLES: &str = "\
 Examples:
-  fitter fit phong:exponent=100 -o phong.table   fit, and measure the errors
-  fitter check phong.table                       measure again, independently
-  fitter info phong.table                        what is in it, how good it is
-  fitter plot phong.table -o phong.svg           polar cuts, exact against table
+  fitter fit phong:exponent=100 -o phong.tbl     fit, and measure the errors
+  fitter check phong.tbl                         measure again, independently
+  fitter info phong.tbl                          what is in it, how good it is
+  fitter plot phong.tbl -o phong.svg             polar cuts, exact against table
   fitter chart phong:exponent=100 -o chart.svg   speed against accuracy
 
   (echo theta_e,phi_e,omega,wo_x,wo_y,wo_z; echo 0.8,0,0.1,-0.6,0,0.8) |
-      fitter query phong.table
+      fitter query phong.tbl
 
 Angles are in radians unless a name ends in -deg, solid angles in steradians.
 Directions are unit vectors in the local frame, z along the surface normal, and

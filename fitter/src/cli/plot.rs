@@ -14,11 +14,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 const EXAMPLES: &str = "\
 Examples:
-  fitter plot phong-40.table phong-200.table -o fig4.svg
+  fitter plot phong-40.tbl phong-200.tbl -o fig4.svg
       the four cases of Figure 4 of the 2015 paper
-  fitter plot ward.table -o ward.svg --theta-deg 60 --phi-deg 90 --omega pi/100
+  fitter plot ward.tbl -o ward.svg --theta-deg 60 --phi-deg 90 --omega pi/100
       across the brushing of a metal
-  fitter plot lobes.table zonal.table -o both.svg
+  fitter plot lobes.tbl zonal.tbl -o both.svg
       two tables of a material, one above the other";
 
 /// Draw polar cuts, exact against table
@@ -90,7 +90,7 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
         .par_iter()
         .map(|(table, omega)| {
             let cap = Cap::new(args.theta_deg.to_radians(), phi.to_radians(), omega.sr)?;
-            let caption = format!("Ω = {} sr, radius {:.1}°", omega.text, cap.half_angle().to_degrees());
+            let caption = format!("Ω = {} sr, radius {:.2}°", omega.text, cap.half_angle().to_degrees());
             let cut = Cut::new(table, cap, caption);
             progress.set((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / panels.len() as f64);
             cut.context("the table has no specular part")

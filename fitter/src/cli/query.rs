@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  fitter query phong.table < caps.csv > values.csv
+  fitter query phong.tbl < caps.csv > values.csv
   (echo theta_e,phi_e,omega,wo_x,wo_y,wo_z; echo 0.8,0,0.1,-0.6,0,0.8) |
-      fitter query phong.table";
+      fitter query phong.tbl";
 
 /// Look up caps and directions from CSV
 ///

@@ -15,8 +15,10 @@ use panel::{HEIGHT, WIDTH};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
-/// Directions from horizon to horizon.
+/// Directions of a curve.
 const DIRECTIONS: usize = 1441;
+/// Zenith angle where the curves end, half a degree above the horizon: some models grow without bound there.
+const HIGHEST: f64 = FRAC_PI_2 - 0.0087;
 /// Relative tolerance of the exact curve: invisible.
 const TOLERANCE: f64 = 1e-5;
 /// Space above the panels for the legend, px.
@@ -39,8 +41,7 @@ impl Cut {
         let (mean, specular) = (table.mean()?, table.specular()?);
         let (sin_p, cos_p) = cap.phi().sin_cos();
         let sample = |i: usize| {
-            // A hair above the horizon at both ends, where F has its limit.
-            let t = (2.0 * i as f64 / (DIRECTIONS - 1) as f64 - 1.0) * (FRAC_PI_2 - 1e-6);
+            let t = (2.0 * i as f64 / (DIRECTIONS - 1) as f64 - 1.0) * HIGHEST;
             let (s, c) = t.sin_cos();
             let wo = DVec3::new(-s * cos_p, -s * sin_p, c);
             (t, mean_brdf(specular, &cap, wo, TOLERANCE, 0.0), mean.value(&cap, wo))

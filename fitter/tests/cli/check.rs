@@ -47,7 +47,7 @@ fn json_keys_of_check() {
 #[test]
 fn a_broken_promise_fails() {
     let folder = folder();
-    let file = path(&folder, "boast.table");
+    let file = path(&folder, "boast.tbl");
     let mut table = Table::load(table()).unwrap();
     table.header.promise = [1e-9; 3];
     table.save(&file).unwrap();
@@ -98,7 +98,7 @@ fn info_says_what_is_in_the_file() {
 #[test]
 fn a_diffuse_table() {
     let folder = folder();
-    let file = path(&folder, "chalk.table");
+    let file = path(&folder, "chalk.tbl");
     output(["fit", "lambert:reflectance=0.5", "-o", &file]);
     assert!(output(["check", &file]).contains("passed"));
     let json: Value = serde_json::from_str(&output(["check", &file, "--json"])).unwrap();

@@ -13,9 +13,9 @@ fn usage() {
         (&["fit", MATERIAL, "--tolerance", "0"], &["--tolerance"]),
         (&["fit", MATERIAL, "--threads", "0"], &["--threads"]),
         (&["fit", MATERIAL, "--seed", "-1"], &["--seed"]),
-        (&["check", "x.table", "--points", "0"], &["--points"]),
+        (&["check", "x.tbl", "--points", "0"], &["--points"]),
         (&["plot", "-o", "x.svg"], &["FILES"]),
-        (&["plot", "x.table", "-o", "x.svg", "--omega", "7"], &["--omega", "7 sr"]),
+        (&["plot", "x.tbl", "-o", "x.svg", "--omega", "7"], &["--omega", "7 sr"]),
         (&["integrate", MATERIAL, "--samples", "0"], &["--samples"]),
     ] {
         refused(&mut fitter(arguments), parts);
@@ -57,7 +57,7 @@ fn materials() {
         ("nosuch.toml", &["nosuch.toml"]),
         (&recipe, &["bad.toml:3", "shine"]),
     ] {
-        refused(&mut fitter(["fit", material, "-o", &path(&folder, "x.table")]), parts);
+        refused(&mut fitter(["fit", material, "-o", &path(&folder, "x.tbl")]), parts);
         refused(&mut fitter(["integrate", material]), parts);
     }
     refused(&mut fitter(["fit", directory]), &[]);
@@ -70,7 +70,7 @@ fn outputs_are_refused_before_the_work() {
     let folder = folder();
     let directory = folder.path().to_str().unwrap();
     refused(&mut fitter(["fit", MATERIAL, "-o", directory]), &["directory", directory]);
-    refused(&mut fitter(["fit", MATERIAL, "-o", &path(&folder, "no/x.table")]), &["no directory"]);
+    refused(&mut fitter(["fit", MATERIAL, "-o", &path(&folder, "no/x.tbl")]), &["no directory"]);
     refused(&mut fitter(["plot", &table(), "-o", &path(&folder, "no/x.svg")]), &["no directory"]);
     refused(&mut fitter(["chart", MATERIAL, "-o", &path(&folder, "x.csv")]), &["x.csv"]);
 }
@@ -83,22 +83,22 @@ fn tables() {
     flipped[good.len() / 2] ^= 4;
     let mut newer = good.clone();
     newer[8] = 99;
-    let bad = path(&folder, "bad.table");
+    let bad = path(&folder, "bad.tbl");
     for (bytes, part) in [
         (&b""[..], "not a table"),
         (b"#!/bin/sh\nexit\n", "not a table"),
-        (&good[..good.len() / 2], "bad.table"),
+        (&good[..good.len() / 2], "bad.tbl"),
         (&good[..14], "needs"),
         (&flipped, "checksum"),
         (&newer, "version 99"),
     ] {
         std::fs::write(&bad, bytes).unwrap();
         for command in ["info", "check", "query"] {
-            refused(fitter([command, &bad]).write_stdin(""), &["bad.table", part]);
+            refused(fitter([command, &bad]).write_stdin(""), &["bad.tbl", part]);
         }
     }
     for command in ["info", "check", "query"] {
-        refused(&mut fitter([command, &path(&folder, "missing.table")]), &["missing.table", "No such file"]);
+        refused(&mut fitter([command, &path(&folder, "missing.tbl")]), &["missing.tbl", "No such file"]);
         refused(&mut fitter([command, folder.path().to_str().unwrap()]), &["not a regular file"]);
     }
 }

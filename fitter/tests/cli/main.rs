@@ -62,7 +62,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn table() -> String {
     static TABLE: OnceLock<PathBuf> = OnceLock::new();
     let path = TABLE.get_or_init(|| {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli.table");
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli.tbl");
         fitter(["fit", MATERIAL, "-o", path.to_str().unwrap()]).assert().success();
         path
     });

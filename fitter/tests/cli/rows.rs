@@ -43,7 +43,7 @@ fn query_agrees_with_integrate() {
 #[test]
 fn lambert_is_exact() {
     let folder = folder();
-    let file = path(&folder, "chalk.table");
+    let file = path(&folder, "chalk.tbl");
     output(["fit", "lambert:reflectance=[0.5,0.25,1]", "-o", &file]);
     for row in numbers(&["query", &file], &rows())
         .iter()
