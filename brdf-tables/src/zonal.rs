@@ -162,6 +162,13 @@ impl Zonal {
     }
 }
 
+/// Whether a cap is cut so deep (axis closer to the horizon than about half the radius) that the part above is the smaller
+/// one: it is integrated itself, as the difference of two larger ones would lose digits.
+#[inline(always)]
+fn sunken<T: Real>(cz: T, height: T) -> T::Mask {
+    cz.sq().lt(height * (cz.lit(2.0) - height) * cz.lit(0.25))
+}
+
 /// Between the corners (u, v) = 00, 01, 10, 11, then offset + step · x.
 #[inline(always)]
 fn bilinear<T: Real>([a, b, c, d]: [T; 4], fu: T, fv: T, [offset, step]: [f64; 2]) -> T {
@@ -185,6 +192,9 @@ impl MeanBrdf for Zonal {
         if wo.z <= 0.0 {
             return 0.0;
         }
+        if sunken(axis[2], height) {
+            return self.clipped.value(cap, wo);
+        }
         let whole = self.numerator(axis, height, wo.to_array());
         let sum = if crosses(axis[2], height) { self.clipped.clip_value(cap, wo, whole) } else { whole };
         sum.max(0.0) / projected_solid_angle(axis[2], height)
@@ -206,8 +216,9 @@ const CHUNK: usize = 256;
 fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
     let direction = wo.to_array().map(|x| f32x16::splat(simd, x));
     for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
-        // Caps that cross the horizon, and their whole integrals.
-        let (mut picked, mut whole, mut count) = ([0u32; CHUNK], [0f32; CHUNK], 0);
+        // Caps that cross the horizon with their whole integrals, and those cut deep.
+        let (mut cut, mut whole, mut cuts) = ([0u32; CHUNK], [0f32; CHUNK], 0);
+        let (mut deep, mut deeps) = ([0u32; CHUNK], 0);
         for (block, out) in out.chunks_mut(LANES).enumerate() {
             let start = chunk * CHUNK + block * LANES;
             let [x, y, z, height] = caps.lanes(start).map(|lanes| f32x16::load_array_ref(simd, lanes));
@@ -217,20 +228,27 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
             let values = (Real::max(sum, z.lit(0.0)) / area).to_array();
             out.copy_from_slice(&values[..out.len()]);
             if crossing.any_true() {
-                // The area of a clipped cap takes the place of its value until the part below is known.
-                let flags = Real::select(crossing, area, z.lit(0.0)).to_array();
-                let sums = sum.to_array();
-                for (i, out) in out.iter_mut().enumerate().filter(|(i, _)| flags[*i] > 0.0) {
-                    (picked[count], whole[count]) = ((start + i) as u32, sums[i]);
-                    *out = flags[i];
-                    count += 1;
+                let depth = Real::select(sunken(z, height), z.lit(2.0), z.lit(1.0));
+                let depth = Real::select(crossing, depth, z.lit(0.0)).to_array();
+                let (sums, areas) = (sum.to_array(), area.to_array());
+                for (i, out) in out.iter_mut().enumerate() {
+                    if depth[i] == 1.0 {
+                        (cut[cuts], whole[cuts]) = ((start + i) as u32, sums[i]);
+                        // The denominator takes the place of the value until the part below is known.
+                        *out = areas[i];
+                        cuts += 1;
+                    } else if depth[i] == 2.0 {
+                        deep[deeps] = (start + i) as u32;
+                        deeps += 1;
+                    }
                 }
             }
         }
-        table.clipped.clip(simd, caps, &picked[..count], wo, &mut whole[..count]);
-        for (&i, &sum) in picked[..count].iter().zip(&whole[..count]) {
+        table.clipped.clip(simd, caps, &cut[..cuts], wo, &mut whole[..cuts]);
+        for (&i, &sum) in cut[..cuts].iter().zip(&whole[..cuts]) {
             let out = &mut out[i as usize - chunk * CHUNK];
             *out = sum.max(0.0) / *out;
         }
+        table.clipped.values_at(simd, caps, &deep[..deeps], wo, |i, value| out[i - chunk * CHUNK] = value);
     }
 }

@@ -112,6 +112,30 @@ impl Cubature {
         }
     }
 
+    /// The means over the caps listed in `picked`, by the largest order of the table, handed to `store` with their index.
+    #[inline(always)]
+    pub(crate) fn values_at<S: Simd>(
+        &self,
+        simd: S,
+        caps: &CapBatch,
+        picked: &[u32],
+        wo: Vec3,
+        store: impl FnMut(usize, f32),
+    ) {
+        struct Run<'a, S, F>(S, &'a Cubature, &'a CapBatch, &'a [u32], DVec3, F);
+        impl<S: Simd, F: FnMut(usize, f32)> Visitor for Run<'_, S, F> {
+            type Output = ();
+            #[inline(always)]
+            fn visit<M: Brdf + Formula>(mut self, model: &M) {
+                let view = View::new(self.1, self.4);
+                picked_caps(self.0, model, &view, self.1.largest(), self.2, self.3, &mut self.5);
+            }
+        }
+        if !picked.is_empty() {
+            self.specular.visit(Run(simd, self, caps, picked, wo.as_dvec3(), store));
+        }
+    }
+
     /// [`Cubature::clip`] for one cap, in f64.
     pub(crate) fn clip_value(&self, cap: &Cap, wo: DVec3, whole: f64) -> f64 {
         struct Run<'a>(&'a Cubature, &'a Cap, DVec3, f64);
