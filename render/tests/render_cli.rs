@@ -1,0 +1,178 @@
+//! The command as others script against it: outputs, figures, exit codes, one line for every mistake.
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+
+const SCENE: &str = r#"<scene version="3.0.0">
+    <default name="gray" value="0.6"/>
+    <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+    <sensor type="perspective">
+        <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/><rfilter type="box"/></film>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>
+    <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="$gray"/></bsdf></shape>
+</scene>"#;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        std::fs::write(folder.path("scene.xml"), SCENE).unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Runs `render` in the folder with arguments divided by spaces; returns exit code, output and errors.
+    fn run(&self, args: &str) -> (i32, String, String) {
+        let output = Command::cargo_bin("render")
+            .unwrap()
+            .current_dir(self.0.path())
+            .args(args.split_whitespace())
+            .output()
+            .unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
+    }
+
+    fn ok(&self, args: &str) -> String {
+        let (code, out, err) = self.run(args);
+        assert_eq!(code, 0, "{args}: {err}");
+        out
+    }
+
+    /// Bad input: exit code 2, and one line that names what is wrong.
+    fn bad(&self, args: &str, mention: &str) {
+        let (code, _, err) = self.run(args);
+        assert_eq!(code, 2, "{args}: {err}");
+        assert!(err.contains(mention), "{args}: {err}");
+        assert!(!err.contains("panicked"), "{args}: {err}");
+    }
+}
+
+fn pixels(path: &Path) -> render::image::Image {
+    render::image::read(path).unwrap()
+}
+
+#[test]
+fn renders_exr_and_png_and_writes_figures() {
+    let f = Folder::new();
+    f.ok("image scene.xml -o a.exr --spp 16 --threads 1 --stats s.json");
+    f.ok("image scene.xml -o b.exr --spp 16 --threads 2");
+    assert_eq!(pixels(&f.path("a.exr")), pixels(&f.path("b.exr")));
+    f.ok("image scene.xml -o a.png --spp 16");
+    let png = pixels(&f.path("a.png"));
+    assert_eq!((png.width, png.height), (24, 16));
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(f.path("s.json")).unwrap()).unwrap();
+    for key in ["method", "rays", "records", "eas_mean", "bytes_per_record", "cache_bytes", "spp", "threads"] {
+        assert!(!stats[key].is_null(), "{key}");
+    }
+    for key in ["load", "fit", "fill", "shade", "total"] {
+        assert!(stats["seconds"][key].is_number(), "{key}");
+    }
+    assert_eq!((&stats["spp"], &stats["method"]), (&16.into(), &"path".into()));
+    // the sphere in the centre reflects 0.6 of 0.5; the corner is sky
+    let exr = pixels(&f.path("a.exr"));
+    assert!((exr.pixels[8 * 24 + 12][1] - 0.3).abs() < 0.01 && exr.pixels[0] == [0.5; 3]);
+}
+
+#[test]
+fn layers_add_up() {
+    let f = Folder::new();
+    f.ok("image scene.xml -o a.exr --spp 4");
+    let image = exr::prelude::read_all_flat_layers_from_file(f.path("a.exr")).unwrap();
+    let channels = &image.layer_data[0].channel_data.list;
+    let get = |name: &str| {
+        let channel = channels.iter().find(|c| c.name == *name).unwrap_or_else(|| panic!("{name}"));
+        channel.sample_data.values_as_f32().collect::<Vec<_>>()
+    };
+    let whole = get("G");
+    let layers =
+        ["emission.G", "direct.diffuse.G", "direct.glossy.G", "indirect.diffuse.G", "indirect.glossy.G"].map(get);
+    for (i, w) in whole.iter().enumerate() {
+        assert!((layers.iter().map(|l| l[i]).sum::<f32>() - w).abs() < 1e-5);
+    }
+    let (albedo, z, depth) = (get("albedo.G"), get("normal.Z"), get("depth.Z"));
+    let centre = 8 * 24 + 12;
+    assert!((albedo[centre] - 0.6).abs() < 1e-5 && z[centre] > 0.9 && (depth[centre] - 3.0).abs() < 0.1);
+    assert!(depth[0].is_infinite() && albedo[0] == 0.0);
+}
+
+#[test]
+fn views_parameters_and_budgets() {
+    let f = Folder::new();
+    f.ok("image scene.xml -o whole.exr --spp 4");
+    f.ok("image scene.xml -o part.exr --spp 4 --crop 10,6,5,4");
+    let (whole, part) = (pixels(&f.path("whole.exr")), pixels(&f.path("part.exr")));
+    assert_eq!((part.width, part.height), (5, 4));
+    for (i, p) in part.pixels.iter().enumerate() {
+        assert_eq!(*p, whole.pixels[(6 + i / 5) * 24 + 10 + i % 5]);
+    }
+    f.ok("image scene.xml -o wide.exr --spp 1 --width 48");
+    assert_eq!(pixels(&f.path("wide.exr")).height, 32);
+    f.ok("image scene.xml -o dark.exr --spp 4 -D gray=0.2");
+    assert!(pixels(&f.path("dark.exr")).pixels[8 * 24 + 12][0] < 0.11);
+    f.ok("image scene.xml -o depth.exr --spp 4 --max-depth 1");
+    assert_eq!(pixels(&f.path("depth.exr")).pixels[8 * 24 + 12], [0.0; 3]);
+    f.ok("image scene.xml -o indirect.exr --spp 4 --indirect-only");
+    assert_eq!(pixels(&f.path("indirect.exr")).pixels[8 * 24 + 12], [0.0; 3]); // a convex body has no indirect light
+    let start = std::time::Instant::now();
+    f.ok("image scene.xml -o timed.exr --time 0.5 --stats s.json");
+    assert!(start.elapsed().as_secs_f64() < 3.0);
+    let spp = |f: &Folder| {
+        let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(f.path("s.json")).unwrap()).unwrap();
+        stats["spp"].as_u64().unwrap()
+    };
+    assert!(spp(&f) > 16);
+    f.ok("image scene.xml -o coarse.exr --error 0.5 --stats s.json");
+    let coarse = spp(&f);
+    f.ok("image scene.xml -o fine.exr --error 0.005 --stats s.json");
+    assert!(spp(&f) > coarse);
+}
+
+#[test]
+fn compares() {
+    let f = Folder::new();
+    f.ok("image scene.xml -o a.exr --spp 4 --seed 1");
+    f.ok("image scene.xml -o b.exr --spp 4 -D gray=0.5");
+    let json: serde_json::Value =
+        serde_json::from_str(&f.ok("compare a.exr b.exr --json --false-color c.png")).unwrap();
+    for key in ["rmse", "rel_mse", "bias", "max", "flip"] {
+        assert!(json[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    assert_eq!(pixels(&f.path("c.png")).width, 24);
+    assert_eq!(f.run("compare a.exr b.exr --fail-above 1e-6").0, 1);
+    assert_eq!(f.run("compare a.exr b.exr --fail-above 1").0, 0);
+    let same: serde_json::Value = serde_json::from_str(&f.ok("compare a.exr a.exr --json")).unwrap();
+    assert_eq!((&same["rmse"], &same["flip"]), (&0.0.into(), &0.0.into()));
+}
+
+#[test]
+fn mistakes_are_named() {
+    let f = Folder::new();
+    f.bad("image missing.xml -o a.exr", "missing.xml");
+    f.bad("image scene.xml -o a.jpg", ".exr or .png");
+    f.bad("image scene.xml -o nowhere/a.exr --spp 1", "nowhere/a.exr");
+    f.bad("image scene.xml -o a.exr --spp 0", "--spp");
+    f.bad("image scene.xml -o a.exr --spp 1 --time 1", "--time");
+    f.bad("image scene.xml -o a.exr --time nan", "--time");
+    f.bad("image scene.xml -o a.exr --error=-1", "--error");
+    f.bad("image scene.xml -o a.exr --spp 1 --crop 20,0,10,10", "crop");
+    f.bad("image scene.xml -o a.exr --spp 1 --crop 1,2", "--crop");
+    f.bad("image scene.xml -o a.exr --spp 1 --width 99999999", "--width");
+    f.bad("image scene.xml -o a.exr --spp 1 -D gray", "NAME=VALUE");
+    f.bad("image scene.xml -o a.exr --method eas", "--method");
+    f.bad("compare a.exr b.exr", "a.exr");
+    std::fs::write(f.path("broken.exr"), b"not a picture").unwrap();
+    f.bad("compare broken.exr broken.exr", "broken.exr");
+    f.ok("image scene.xml -o a.exr --spp 1");
+    f.ok("image scene.xml -o small.exr --spp 1 --width 12");
+    f.bad("compare a.exr small.exr", "24×16");
+    f.bad("compare a.exr a.exr --fail-above x", "--fail-above");
+    f.bad("compare a.exr a.exr --false-color c.exr", ".png");
+    f.bad("compare a.txt a.txt", ".exr, .png or .hdr");
+}
