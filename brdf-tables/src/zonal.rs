@@ -3,9 +3,11 @@
 //! With m the mirror of wi and δ the angle between `wo` and the mirrored cap axis, ∫ g(m·wo) m dm over a cap lies in the
 //! plane of the axis and `wo`, so two functions of (δ, σ) give the mean for every θe and every `wo`:
 //!
-//!   ∫ f_r cosθi dwi = A (1 − cosⁿ⁺²σ) [T_P cosθe + T_R (cosθo − cosθe cos δ)],   A = 2πa/(n+2) for f_r = a cosⁿα.
+//!   ∫ f_r cosθi dwi = A (1 − cosⁿ⁺²σ) [T_P cosθe + T_R cosθo],   A = 2πa/(n+2) for f_r = a cosⁿα.
 //!
-//! T_P and T_R, normalised by the value of P at δ = 0, are tabulated over two coordinates that follow the cap's edge.
+//! T_P and T_R, normalised by the value of P at δ = 0, are tabulated over two coordinates that follow the cap's edge. The
+//! oblique basis (axis, `wo`) makes them 0 and 1 where the cap holds the whole lobe, so that the few nodes deep inside a
+//! large cap are enough; about the axis alone they would follow cos δ there.
 //! Nothing is fitted: the only errors are those of bilinear interpolation and of 16-bit storage.
 
 use crate::batch::{CapBatch, MIN_HEIGHT};
@@ -144,8 +146,7 @@ impl Zonal {
         let tp = bilinear([p00, p01, p10, p11], fu, fv, self.scale[0]);
         let tr = bilinear([r00, r01, r10, r11], fu, fv, self.scale[1]);
 
-        let cos_delta = one - d2 * one.lit(0.5);
-        let sum = tp * axis[2] + tr * (wo[2] - axis[2] * cos_delta);
+        let sum = tp * axis[2] + tr * wo[2];
         let strength = one.lit(2.0 * PI * self.amplitude / (self.exponent + 2.0));
         T::select(one.lt(v), one.lit(0.0), strength * self.filled(height) * sum)
     }

@@ -86,7 +86,8 @@ pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
             let (sigma, delta) = axes.angles(u, (i % columns) as f64 / (columns - 1) as f64);
             let (p, r) = rim_integrals(n, delta, sigma);
             let peak = rim_integrals(n, 0.0, sigma).0;
-            (p / peak, r / peak)
+            // P c + R (w − c cos δ) = (P − R cos δ) c + R w
+            ((p - r * delta.cos()) / peak, r / peak)
         })
         .collect();
     let values = centred(&values, rows, columns);
