@@ -44,8 +44,9 @@ impl CapBatch {
     /// to its edge, so that a look-up never meets one; what is not a direction counts as the normal, what is not a number
     /// as the smallest cap.
     pub fn push(&mut self, axis: Vec3, solid_angle: f32) {
-        // `max` and `min`, unlike `clamp`, drop NaN; a comparison with NaN fails.
-        let height = (solid_angle * (0.5 / core::f32::consts::PI)).max(MIN_HEIGHT).min(1.0);
+        // `max`, unlike `clamp`, drops NaN; a comparison with NaN fails.
+        let height = (solid_angle * (0.5 / core::f32::consts::PI)).max(MIN_HEIGHT);
+        let height = height.min(1.0);
         let inside = (axis.length_squared() - 1.0).abs() < 1e-3 && axis.z >= 0.0;
         let axis = if inside { axis } else { axis.with_z(axis.z.max(0.0)).try_normalize().unwrap_or(Vec3::Z) };
         let values = [axis.x, axis.y, axis.z, height];

@@ -251,7 +251,9 @@ impl Shape {
             Shape::Diffuse => None,
             Shape::Zonal { rows, columns, scale } => {
                 let cells = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-                (bytes.len() % 4 == 0)
+                bytes
+                    .len()
+                    .is_multiple_of(4)
                     .then(|| Zonal::new(specular, rows as usize, columns as usize, cells, scale))
                     .flatten()
                     .map(Representation::Zonal)
@@ -282,7 +284,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
 
 fn read_floats(bytes: &[u8]) -> Result<Vec<f32>, FormatError> {
     let values: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-    if bytes.len() % 4 != 0 || values.iter().any(|x| !x.is_finite()) {
+    if !bytes.len().is_multiple_of(4) || values.iter().any(|x| !x.is_finite()) {
         return Err(FormatError::Payload("a number is cut or not finite"));
     }
     Ok(values)

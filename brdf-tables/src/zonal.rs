@@ -151,6 +151,16 @@ impl Zonal {
         T::select(one.lt(v), one.lit(0.0), strength * self.filled(height) * sum)
     }
 
+    /// Whether a cap that crosses the horizon is integrated above it: those cut so deep (axis closer to the horizon than
+    /// half the radius) that the part above is the smaller one, whose difference of two larger ones would lose digits, and
+    /// those much smaller than the lobe, where a few nodes are exact.
+    #[inline(always)]
+    fn direct<T: Real>(&self, cz: T, height: T) -> T::Mask {
+        let radius2 = height * (cz.lit(2.0) - height);
+        let small = height.lt(height.lit(0.1 / self.exponent.max(1.0)));
+        T::select(small, cz.lit(0.0), cz.sq()).lt(radius2 * cz.lit(0.25))
+    }
+
     /// 1 − cosⁿ⁺² σ for h = 1 − cos σ, by series where the direct form would cancel.
     #[inline(always)]
     fn filled<T: Real>(&self, h: T) -> T {
@@ -161,13 +171,6 @@ impl Zonal {
         let small = -x * (h.lit(1.0) + x * (h.lit(0.5) + x * (h.lit(1.0 / 6.0) + x * h.lit(1.0 / 24.0))));
         T::select((-x).lt(h.lit(0.05)), small, h.lit(1.0) - x.exp())
     }
-}
-
-/// Whether a cap is cut so deep (axis closer to the horizon than about half the radius) that the part above is the smaller
-/// one: it is integrated itself, as the difference of two larger ones would lose digits.
-#[inline(always)]
-fn sunken<T: Real>(cz: T, height: T) -> T::Mask {
-    cz.sq().lt(height * (cz.lit(2.0) - height) * cz.lit(0.25))
 }
 
 /// Between the corners (u, v) = 00, 01, 10, 11, then offset + step · x.
@@ -193,11 +196,12 @@ impl MeanBrdf for Zonal {
         if wo.z <= 0.0 {
             return 0.0;
         }
-        if sunken(axis[2], height) {
+        let crossing = crosses(axis[2], height);
+        if crossing && self.direct(axis[2], height) {
             return self.clipped.value(cap, wo);
         }
         let whole = self.numerator(axis, height, wo.to_array());
-        let sum = if crosses(axis[2], height) { self.clipped.clip_value(cap, wo, whole) } else { whole };
+        let sum = if crossing { self.clipped.clip_value(cap, wo, whole) } else { whole };
         sum.max(0.0) / projected_solid_angle(axis[2], height)
     }
 
@@ -217,9 +221,9 @@ const CHUNK: usize = 256;
 fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
     let direction = wo.to_array().map(|x| f32x16::splat(simd, x));
     for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
-        // Caps that cross the horizon with their whole integrals, and those cut deep.
+        // Caps that cross the horizon with their whole integrals, and those to integrate directly.
         let (mut cut, mut whole, mut cuts) = ([0u32; CHUNK], [0f32; CHUNK], 0);
-        let (mut deep, mut deeps) = ([0u32; CHUNK], 0);
+        let (mut direct, mut directs) = ([0u32; CHUNK], 0);
         for (block, out) in out.chunks_mut(LANES).enumerate() {
             let start = chunk * CHUNK + block * LANES;
             let [x, y, z, height] = caps.lanes(start).map(|lanes| f32x16::load_array_ref(simd, lanes));
@@ -229,7 +233,7 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
             let values = (Real::max(sum, z.lit(0.0)) / area).to_array();
             out.copy_from_slice(&values[..out.len()]);
             if crossing.any_true() {
-                let depth = Real::select(sunken(z, height), z.lit(2.0), z.lit(1.0));
+                let depth = Real::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
                 let depth = Real::select(crossing, depth, z.lit(0.0)).to_array();
                 let (sums, areas) = (sum.to_array(), area.to_array());
                 for (i, out) in out.iter_mut().enumerate() {
@@ -239,8 +243,8 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
                         *out = areas[i];
                         cuts += 1;
                     } else if depth[i] == 2.0 {
-                        deep[deeps] = (start + i) as u32;
-                        deeps += 1;
+                        direct[directs] = (start + i) as u32;
+                        directs += 1;
                     }
                 }
             }
@@ -250,6 +254,6 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
             let out = &mut out[i as usize - chunk * CHUNK];
             *out = sum.max(0.0) / *out;
         }
-        table.clipped.values_at(simd, caps, &deep[..deeps], wo, |i, value| out[i - chunk * CHUNK] = value);
+        table.clipped.values_at(simd, caps, &direct[..directs], wo, |i, value| out[i - chunk * CHUNK] = value);
     }
 }

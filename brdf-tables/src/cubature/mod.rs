@@ -73,7 +73,8 @@ pub fn holds_pole<T: Real>(axis: [T; 3], height: T) -> T::Mask {
 /// smallest rules, made for caps smaller than the lobe, it cancels the error.
 ///
 /// `axis` is the cap axis in the frame of `wo`, `height` = 1 − cos σ, `rotation` = (cos, sin) of the azimuth of `wo`,
-/// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one.
+/// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one. `rule` is a
+/// Gauss–Legendre rule, used in both directions.
 #[inline(always)]
 pub fn numerator<T: Real, F: Formula>(
     formula: &F,
@@ -82,7 +83,7 @@ pub fn numerator<T: Real, F: Formula>(
     axis: [T; 3],
     height: T,
     side: Side,
-    (outer, inner): (&[(T::Scalar, T::Scalar)], &[(T::Scalar, T::Scalar)]),
+    rule: &[(T::Scalar, T::Scalar)],
 ) -> (T, T) {
     let one = height.lit(1.0);
     let (zero, tiny) = (one.lit(0.0), one.lit(1e-12));
@@ -130,7 +131,7 @@ pub fn numerator<T: Real, F: Formula>(
     let tau_map = Mapped::new(lo - centre, hi - lo, kappa);
 
     let (mut sum, mut area) = (zero, zero);
-    for &(node, weight) in outer {
+    for &(node, weight) in rule {
         let (offset, jacobian) = tau_map.at(node);
         let (sin_t, cos_t) = (centre + offset).sin_cos();
         // d = a − a_cap
@@ -163,7 +164,7 @@ pub fn numerator<T: Real, F: Formula>(
         let kappa_q = (one.lit(lobe.k0) * scale.sq() + one.lit(lobe.k1) * along.sq()).max(tiny).sqrt();
         let q_map = Mapped::new(q_lo - ridge, length, kappa_q);
         let (mut row, mut row_area) = (zero, zero);
-        for &(node, weight) in inner {
+        for &(node, weight) in rule {
             let (offset, jacobian) = q_map.at(node);
             let q = ridge + offset;
             let cos_b = (one - q.sq()).max(tiny).sqrt();

@@ -22,9 +22,11 @@ const SELF_NORMALISED: usize = 2;
 /// The rule (2 × 2) for views so far from the mirrored cap that F is below 1/1000 of its maximum.
 const FAR: u8 = 1;
 
-/// The Gauss–Legendre rule of order `ORDERS[index]`, in f64 and in f32.
-fn rule(index: usize) -> &'static (Vec<(f64, f64)>, Vec<(f32, f32)>) {
-    type Rule = (Vec<(f64, f64)>, Vec<(f32, f32)>);
+/// A Gauss–Legendre rule in f64 and in f32.
+type Rule = (Vec<(f64, f64)>, Vec<(f32, f32)>);
+
+/// The rule of order `ORDERS[index]`.
+fn rule(index: usize) -> &'static Rule {
     static RULES: OnceLock<Vec<Rule>> = OnceLock::new();
     let build = |&n| {
         let rule = gauss_legendre(n);
@@ -98,7 +100,7 @@ impl Cubature {
                     let (axis, height) = gather(simd, caps, block, &view);
                     let (part, _) = simd.vectorize(
                         #[inline(always)]
-                        || numerator(model, &view.lobe, view.turn, axis, height, Side::Below, (rule, rule)),
+                        || numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule),
                     );
                     let pole = Real::select(holds_pole(axis, height), height.lit(1.0), height.lit(0.0)).to_array();
                     for ((whole, part), pole) in whole.iter_mut().zip(part.to_array()).zip(pole) {
@@ -145,7 +147,7 @@ impl Cubature {
                 let Run(table, cap, wo, whole) = self;
                 let (view, (rule, _)) = (View::new(table, wo), rule(table.largest()));
                 let (axis, height) = (into_frame(cap.axis().to_array(), view.rotation), cap.height());
-                let (part, _) = numerator(model, &view.lobe, view.turn, axis, height, Side::Below, (rule, rule));
+                let (part, _) = numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule);
                 if holds_pole(axis, height) { part } else { whole - part }
             }
         }
@@ -204,7 +206,7 @@ impl MeanBrdf for Cubature {
                 let (rule, _) = rule(order);
                 let axis = into_frame(cap.axis().to_array(), view.rotation);
                 let height = cap.height().max(f64::from(MIN_HEIGHT));
-                let (sum, area) = numerator(model, &view.lobe, view.turn, axis, height, Side::Above, (rule, rule));
+                let (sum, area) = numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule);
                 let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
                 sum.max(0.0) / area
             }
@@ -296,7 +298,7 @@ fn picked_caps<S: Simd, M: Formula>(
         let (axis, height) = gather(simd, caps, block, view);
         let (sum, area) = simd.vectorize(
             #[inline(always)]
-            || numerator(model, &view.lobe, view.turn, axis, height, Side::Above, (rule, rule)),
+            || numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule),
         );
         let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
         let values = (Real::max(sum, height.lit(0.0)) / area).to_array();

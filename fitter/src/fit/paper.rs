@@ -17,8 +17,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const ELEVATIONS: usize = 16;
 /// #AS. With 64 the first solid angle at 45° is below π/100, the smallest of the paper's four cases.
 const SOLID_ANGLES: usize = 64;
-/// Lobes per cell unless asked for otherwise: "few" in the paper's words.
-const LOBES: usize = 2;
+/// Lobes per cell unless asked for otherwise. More fit a cell better and the table worse: interpolated coefficients need
+/// the lobes of neighbours in one order, which nothing provides (measured: 0.07 % with one, 2 % with two at π/30, n = 40).
+const LOBES: usize = 1;
 
 /// Fits the table.
 pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
