@@ -59,16 +59,22 @@ impl Frame {
 #[inline]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - 1.0;
-    if p == Vec2::ZERO {
-        return p;
+    let wide = p.x.abs() > p.y.abs();
+    let (r, other) = if wide { (p.x, p.y) } else { (p.y, p.x) };
+    if r == 0.0 {
+        return Vec2::ZERO;
     }
-    let (r, phi) = if p.x.abs() > p.y.abs() {
-        (p.x, FRAC_PI_4 * (p.y / p.x))
-    } else {
-        (p.y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (p.x / p.y))
-    };
-    let (s, c) = phi.sin_cos();
-    r * Vec2::new(c, s)
+    let (s, c) = sin_cos_octant(FRAC_PI_4 * (other / r));
+    r * if wide { Vec2::new(c, s) } else { Vec2::new(s, c) }
+}
+
+/// Sine and cosine of |x| ≤ π/4 by their series, to the precision of f32.
+#[inline]
+fn sin_cos_octant(x: f32) -> (f32, f32) {
+    let y = x * x;
+    let sin = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362_880.0)))));
+    let cos = 1.0 + y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40_320.0))));
+    (sin, cos)
 }
 
 /// Direction about z with density cosθ/π.
@@ -85,4 +91,29 @@ pub fn uniform_sphere(u: Vec2) -> Vec3A {
     let r = (1.0 - z * z).max(0.0).sqrt();
     let (s, c) = (TAU * u.y).sin_cos();
     Vec3A::new(r * c, r * s, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_and_disk() {
+        for i in -100..=100 {
+            let x = FRAC_PI_4 * i as f32 / 100.0;
+            let (s, c) = sin_cos_octant(x);
+            assert!((s - x.sin()).abs() < 1.5e-7 && (c - x.cos()).abs() < 1.5e-7, "{x}");
+        }
+        // the first and second moments of the disk, by the midpoint rule
+        let n = 200;
+        let points = (0..n * n).map(|i| Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32);
+        let (mut sum, mut xx, mut yy) = (Vec2::ZERO, 0.0, 0.0);
+        for p in points.map(concentric_disk) {
+            assert!(p.length() <= 1.0);
+            (sum, xx, yy) = (sum + p, xx + f64::from(p.x * p.x), yy + f64::from(p.y * p.y));
+        }
+        let count = f64::from(n * n);
+        assert!(sum.length() / (count as f32) < 1e-5);
+        assert!((xx / count - 0.25).abs() < 1e-3 && (yy / count - 0.25).abs() < 1e-3);
+    }
 }

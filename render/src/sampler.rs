@@ -32,6 +32,12 @@ impl Sampler {
         Vec2::new(to_unit(owen(index, x)), to_unit(owen(pascal(index), y)))
     }
 
+    /// Leaves out the next two dimensions.
+    #[inline]
+    pub fn skip_2d(&mut self) {
+        self.pair += 1;
+    }
+
     /// The next dimension, from a pair of its own.
     #[inline]
     pub fn next_1d(&mut self) -> f32 {

@@ -1,7 +1,7 @@
 //! Triangles under an eight-wide bounding volume hierarchy.
 //!
-//! obvhs builds a binary tree; [`build`] folds it into nodes of eight children and leaves of eight triangles, stored
-//! lane by lane so that [`traverse`] tests eight of either at once. Boxes keep full precision and the triangle test is
+//! obvhs builds a binary tree; `build` folds it into nodes of eight children and leaves of eight triangles, stored
+//! lane by lane so that `traverse` tests eight of either at once. Boxes keep full precision and the triangle test is
 //! watertight: a ray cannot slip between two triangles that share an edge.
 
 mod build;

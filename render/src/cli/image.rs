@@ -15,6 +15,10 @@ use std::time::{Duration, Instant};
 /// Largest width or height.
 const MAX_SIZE: u32 = 1 << 15;
 
+/// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
+const EXR_SECONDS: f64 = 1e-6;
+const PNG_SECONDS: f64 = 1e-7;
+
 /// How to render.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Method {
@@ -158,7 +162,16 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 
 fn budget(args: &Args, scene: &Scene) -> Budget {
     match (args.spp, args.time, args.error) {
-        (_, Some(seconds), _) => Budget::Time(Duration::from_secs_f64(seconds)),
+        (_, Some(seconds), _) => {
+            let film = scene.camera.film.window();
+            let per_pixel = if args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+                EXR_SECONDS
+            } else {
+                PNG_SECONDS
+            };
+            let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
+            Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
+        }
         (_, _, Some(error)) => Budget::Error(error),
         (spp, ..) => Budget::Samples(spp.unwrap_or(scene.integrator.spp)),
     }

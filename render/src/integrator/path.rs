@@ -7,6 +7,7 @@ use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
 use crate::world::{Interaction, World};
+use glam::Vec2;
 
 /// Unidirectional path tracing with next-event estimation, combined with the sampling of the BSDF by the power heuristic
 /// (Veach 1997), and Russian roulette.
@@ -65,6 +66,7 @@ impl Integrator for PathTracer {
             Path { out: Radiance::default(), throughput: Rgb::ONE, diffuse_share: Rgb::ZERO, eta: 1.0, previous: None };
         let mut ray = ray;
         let mut segments = 0;
+        let many_lights = world.lights.count() > 1;
         while segments < self.settings.max_depth {
             segments += 1;
             // Follow the ray, and add what it meets that shines.
@@ -98,7 +100,7 @@ impl Integrator for PathTracer {
             }
             // Sample the lights.
             let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
-            let choice = sampler.next_2d();
+            let choice = if many_lights || bsdf.has_parts() { sampler.next_2d() } else { skipped(sampler) };
             if !bsdf.is_delta() && (segments > 1 || !self.indirect_only) {
                 sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, sampler, &mut path);
             }
@@ -127,6 +129,13 @@ impl Integrator for PathTracer {
         }
         path.out
     }
+}
+
+/// Two dimensions nobody asks for.
+#[inline]
+fn skipped(sampler: &mut Sampler) -> Vec2 {
+    sampler.skip_2d();
+    Vec2::ZERO
 }
 
 /// Albedo, normal and distance of the first surface.
