@@ -79,12 +79,14 @@ impl Directions {
         }
     }
 
-    /// Angle from the mirrored cap axis beyond which F stays below 1/1000 of its maximum, radian.
+    /// Angle from the mirrored cap axis beyond which F stays below 1/1000 of its maximum, radian: that of the first ring
+    /// beyond which all are dark, π when none is.
     pub fn support(&self, cap: &Cap, exact: &[f64]) -> f64 {
         let peak = exact.iter().fold(0f64, |m, &f| m.max(f));
         let centre = mirror(cap.axis());
-        let beyond = |wo: &DVec3| 2.0 * (0.5 * (*wo - centre).length()).min(1.0).asin();
-        let inside = self.wo.iter().zip(exact).filter(|(_, f)| **f > 1e-3 * peak);
-        inside.map(|(wo, _)| beyond(wo)).fold(0.0, f64::max)
+        let angle = |wo: &DVec3| 2.0 * (0.5 * (*wo - centre).length()).min(1.0).asin();
+        let lit = self.wo.iter().zip(exact).filter(|(_, f)| **f > 1e-3 * peak);
+        let last = lit.map(|(wo, _)| angle(wo)).fold(0.0, f64::max);
+        self.wo.iter().map(angle).filter(|a| *a > last + 1e-9).fold(PI, f64::min)
     }
 }
