@@ -11,6 +11,7 @@ use brdf_tables::cubature::Cubature;
 use brdf_tables::lobe::Lobe;
 use brdf_tables::lobes::Lobes;
 use brdf_tables::mean::{Exact, MeanBrdf};
+use brdf_tables::table::Table;
 use brdf_tables::zonal::Zonal;
 use core::f64::consts::{PI, TAU};
 use divan::{Bencher, counter::ItemsCount};
@@ -76,6 +77,14 @@ fn lobes(bencher: Bencher, count: usize) {
     let lobe = Lobe { axis: DVec3::Z, amplitude: 1.0, exponent: 100.0 };
     let table = Lobes::from_nodes(axes, &vec![vec![lobe; count]; axes.len()]).expect("valid lobes");
     run(bencher, &table);
+}
+
+/// The shipped tables, as a renderer uses them.
+#[divan::bench(args = ["phong-20", "phong-100", "beckmann-0.2", "ggx-0.1", "ggx-0.3", "ward-0.1-0.5", "lafortune-metal"])]
+fn shipped(bencher: Bencher, name: &str) {
+    let path = format!("{}/../tables/{name}.tbl", env!("CARGO_MANIFEST_DIR"));
+    let table = Table::load(&path).expect("a shipped table");
+    run(bencher, table.mean().expect("a glossy material"));
 }
 
 /// One order everywhere: 1, 4, 9, 16, 25, 36, 64 evaluations of the model.

@@ -4,7 +4,7 @@
 //!   payload: one f32 sextuple per error cell, then the arrays of the representation · CRC-32 of all before it u32
 
 use crate::axis::Axes;
-use crate::cubature::Cubature;
+use crate::cubature::{Cubature, Node};
 use crate::errors::Errors;
 use crate::lobes::{LOBE_SIZE, Lobes};
 use crate::paper::{Paper, RAW_SIZE};
@@ -105,7 +105,7 @@ impl Table {
             }
             Representation::Cubature(t) => {
                 let (axes, nodes) = t.parts();
-                (Shape::Cubature { axes }, nodes.as_flattened().to_vec())
+                (Shape::Cubature { axes }, nodes.iter().flat_map(|n| [n.order, n.outer, n.far]).collect())
             }
             Representation::Lobes(t) => {
                 let (axes, count, data) = t.parts();
@@ -259,9 +259,10 @@ impl Shape {
                     .map(Representation::Zonal)
             }
             Shape::Cubature { axes } => {
-                let (nodes, rest) = bytes.as_chunks::<2>();
+                let (nodes, rest) = bytes.as_chunks::<3>();
                 let axes = grid(axes).filter(|_| rest.is_empty());
-                axes.and_then(|axes| Cubature::new(specular, axes, nodes)).map(Representation::Cubature)
+                let nodes: Vec<Node> = nodes.iter().map(|&[order, outer, far]| Node { order, outer, far }).collect();
+                axes.and_then(|axes| Cubature::new(specular, axes, &nodes)).map(Representation::Cubature)
             }
             Shape::Lobes { axes, count } if count as usize <= LOBE_SIZE * 4 => {
                 let data = read_floats(bytes)?;

@@ -27,7 +27,7 @@ const REACH: f64 = 5.5;
 fn clipped_order(exponent: f64) -> u8 {
     match exponent {
         n if n < 10.0 => 9,
-        n if n < 40.0 => 7,
+        n if n < 40.0 => 6,
         _ => 5,
     }
 }

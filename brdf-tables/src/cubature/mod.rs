@@ -15,7 +15,7 @@ mod footprint;
 mod table;
 
 pub use footprint::Footprint;
-pub use table::{Cubature, ORDERS};
+pub use table::{Cubature, Node, ORDERS, OUTER};
 
 use crate::brdf::Formula;
 use crate::real::Real;

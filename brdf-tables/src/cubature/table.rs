@@ -19,8 +19,42 @@ use std::sync::OnceLock;
 pub const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
 /// Rules up to this index (3 × 3) serve caps smaller than the lobe: they divide by their own estimate of the denominator.
 const SELF_NORMALISED: usize = 2;
-/// The rule (2 × 2) for views so far from the mirrored cap that F is below 1/1000 of its maximum.
-const FAR: u8 = 1;
+/// Order index (2 × 2) for views beyond the outer angle of a node.
+pub const OUTER: u8 = 1;
+/// Instead of an order, for views beyond the far angle of a node: the BRDF at the cap's axis stands for the mean.
+const FAR: u8 = u8::MAX;
+
+/// What a table says of one node: the order index within the lobe, and the angles between `wo` and the mirrored cap axis,
+/// in steps of π/255 rounded up, beyond which the 2 × 2 rule and the BRDF at the axis do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Node {
+    /// Index into [`ORDERS`].
+    pub order: u8,
+    /// Where [`OUTER`] begins to do.
+    pub outer: u8,
+    /// Where the BRDF at the axis begins to do.
+    pub far: u8,
+}
+
+/// An interval of the grid, as the look-up uses it: the largest of its corners; the angles as (2 sin ½s)².
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Interval {
+    order: u8,
+    outer2: f32,
+    far2: f32,
+}
+
+impl Interval {
+    /// The order index for a squared distance between `wo` and the mirrored axis.
+    #[inline(always)]
+    fn order(&self, distance2: f32) -> u8 {
+        match distance2 {
+            d if d > self.far2 => FAR,
+            d if d > self.outer2 => self.order.min(OUTER),
+            _ => self.order,
+        }
+    }
+}
 
 /// A Gauss–Legendre rule in f64 and in f32.
 type Rule = (Vec<(f64, f64)>, Vec<(f32, f32)>);
@@ -42,17 +76,14 @@ pub struct Cubature {
     specular: Specular,
     isotropic: bool,
     axes: Axes,
-    /// Per node: order index, and support angle in steps of π/255.
-    nodes: Vec<[u8; 2]>,
-    /// Per interval of the grid, the largest over its corners: order index, and (2 sin ½s)² of the support angle s.
-    intervals: Vec<(u8, f32)>,
+    nodes: Vec<Node>,
+    intervals: Vec<Interval>,
 }
 
 impl Cubature {
-    /// From the order index and the support angle (in steps of π/255, rounded up) of every node of `axes`; `None` when an
-    /// index or the count is wrong. Beyond the support F is below 1/1000 of its maximum, and 2 × 2 nodes do.
-    pub fn new(specular: Specular, axes: Axes, nodes: &[[u8; 2]]) -> Option<Self> {
-        if nodes.len() != axes.len() || nodes.iter().any(|n| usize::from(n[0]) >= ORDERS.len()) {
+    /// From the nodes of `axes`; `None` when an order index or the count is wrong.
+    pub fn new(specular: Specular, axes: Axes, nodes: &[Node]) -> Option<Self> {
+        if nodes.len() != axes.len() || nodes.iter().any(|n| usize::from(n.order) >= ORDERS.len()) {
             return None;
         }
         let (nt, np, no) = (axes.theta as usize, axes.phi as usize, axes.omega as usize);
@@ -61,27 +92,28 @@ impl Cubature {
             for o in 0..no - 1 {
                 // The azimuth is left out of the look-up: an interval takes the largest over it.
                 let corners = (0..np).flat_map(|p| [(t, p, o), (t + 1, p, o), (t, p, o + 1), (t + 1, p, o + 1)]);
-                let largest = corners.fold([0; 2], |[order, support]: [u8; 2], (t, p, o)| {
-                    let node = nodes[axes.index(t, p, o)];
-                    [order.max(node[0]), support.max(node[1])]
+                let largest = corners.fold(Node::default(), |a, (t, p, o)| {
+                    let b = nodes[axes.index(t, p, o)];
+                    Node { order: a.order.max(b.order), outer: a.outer.max(b.outer), far: a.far.max(b.far) }
                 });
-                let reach = 2.0 * (0.5 * PI * f64::from(largest[1]) / 255.0).sin();
-                intervals.push((largest[0], (reach * reach) as f32));
+                let chord2 = |angle: u8| (2.0 * (0.5 * PI * f64::from(angle) / 255.0).sin()).powi(2) as f32;
+                let (outer2, far2) = (chord2(largest.outer), chord2(largest.far));
+                intervals.push(Interval { order: largest.order, outer2, far2 });
             }
         }
         let isotropic = specular.is_isotropic();
         Some(Self { specular, isotropic, axes, nodes: nodes.to_vec(), intervals })
     }
 
-    /// Grid, order and support of every node, as [`Cubature::new`] takes them.
-    pub fn parts(&self) -> (Axes, &[[u8; 2]]) {
+    /// Grid and nodes, as [`Cubature::new`] takes them.
+    pub fn parts(&self) -> (Axes, &[Node]) {
         (self.axes, &self.nodes)
     }
 
     /// One order (an index into [`ORDERS`]) everywhere.
     pub fn uniform(specular: Specular, order: u8) -> Option<Self> {
         let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
-        Self::new(specular, axes, &[[order, u8::MAX]; 4])
+        Self::new(specular, axes, &[Node { order, outer: u8::MAX, far: u8::MAX }; 4])
     }
 
     /// For caps that cross the horizon, the numerator of eq. 9 from the integral over the whole cap (in which cosθi is
@@ -156,14 +188,13 @@ impl Cubature {
 
     /// The largest order index of the table.
     fn largest(&self) -> usize {
-        usize::from(self.intervals.iter().map(|i| i.0).max().unwrap_or(0))
+        usize::from(self.intervals.iter().map(|i| i.order).max().unwrap_or(0))
     }
 
-    fn order(&self, cap: &Cap, wo: DVec3) -> usize {
+    fn order(&self, cap: &Cap, wo: DVec3) -> u8 {
         let place = (self.axes.theta_place(cap.theta()), self.axes.omega_place(cap.solid_angle()));
-        let (order, reach2) = self.intervals[place.0.index * (self.axes.omega as usize - 1) + place.1.index];
-        let far = (wo - mirror(cap.axis())).length_squared() > f64::from(reach2);
-        usize::from(if far { order.min(FAR) } else { order })
+        let interval = self.intervals[place.0.index * (self.axes.omega as usize - 1) + place.1.index];
+        interval.order((wo - mirror(cap.axis())).length_squared() as f32)
     }
 
     /// The order index of sixteen caps at once.
@@ -180,10 +211,7 @@ impl Cubature {
         let o = Real::floor(Real::min(tau, cz.lit(f64::from(no - 1))));
         let index = Real::max(t * cz.lit(f64::from(no)) + o, cz.lit(0.0)).to_array();
         let distance2 = ((cx + wo.x).sq() + (cy + wo.y).sq() + (cz - wo.z).sq()).to_array();
-        core::array::from_fn(|i| {
-            let (order, reach2) = self.intervals[(index[i] as usize).min(self.intervals.len() - 1)];
-            if distance2[i] > reach2 { order.min(FAR) } else { order }
-        })
+        core::array::from_fn(|i| self.intervals[(index[i] as usize).min(self.intervals.len() - 1)].order(distance2[i]))
     }
 }
 
@@ -203,6 +231,10 @@ impl MeanBrdf for Cubature {
                 let Run(table, cap, wo) = self;
                 let view = View::new(table, wo);
                 let order = table.order(cap, wo);
+                if order == FAR {
+                    return model.f(cap.axis().to_array(), wo.to_array());
+                }
+                let order = usize::from(order);
                 let (rule, _) = rule(order);
                 let axis = into_frame(cap.axis().to_array(), view.rotation);
                 let height = cap.height().max(f64::from(MIN_HEIGHT));
@@ -251,8 +283,19 @@ fn batch<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBa
             let found = table.orders(simd, caps.lanes(start + block), wo.as_vec3());
             orders[block..block + LANES].copy_from_slice(&found);
         }
-        for &order in &orders[..count] {
-            present |= 1 << order;
+        for (block, orders) in orders[..count].chunks(LANES).enumerate() {
+            let first = start + block * LANES;
+            if orders.contains(&FAR) {
+                let [x, y, z, _] = caps.lanes(first).map(|lanes| f32x16::load_array_ref(simd, lanes));
+                let at_axis = simd.vectorize(
+                    #[inline(always)]
+                    || model.f([x, y, z], wo.as_vec3().to_array().map(|w| f32x16::splat(simd, w))),
+                );
+                out[first..first + orders.len()].copy_from_slice(&at_axis.to_array()[..orders.len()]);
+            }
+            for &order in orders.iter().filter(|order| **order != FAR) {
+                present |= 1 << order;
+            }
         }
         // Caps of one order together, sixteen at a time.
         let mut picked = [0u32; CHUNK];

@@ -3,22 +3,25 @@
 use super::{Fitted, Options, oracle, values};
 use crate::error::Directions;
 use brdf_tables::axis::Axes;
-use brdf_tables::brdf::Specular;
-use brdf_tables::cubature::{Cubature, ORDERS};
+use brdf_tables::brdf::{Brdf, Specular};
+use brdf_tables::cap::Cap;
+use brdf_tables::cubature::{Cubature, Node, ORDERS, OUTER};
+use brdf_tables::frame::mirror;
 use brdf_tables::table::Representation;
 use core::f64::consts::PI;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fits the orders.
 pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
     let phi = if specular.is_isotropic() { 1 } else { 5 };
-    let axes = Axes { theta: 13, phi, omega: 14, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
+    let axes = Axes { theta: 13, phi, omega: 24, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
     let oracle = oracle(*specular);
     let candidates: Vec<Cubature> =
         (0..ORDERS.len() as u8).filter_map(|order| Cubature::uniform(*specular, order)).collect();
     let done = AtomicUsize::new(0);
-    let nodes: Vec<[u8; 2]> = (0..axes.len())
+    let nodes: Vec<Node> = (0..axes.len())
         .into_par_iter()
         .map(|i| {
             let (omega, rest) = (i % axes.omega as usize, i / axes.omega as usize);
@@ -31,17 +34,51 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
                 // The tail of a lobe weighs little in rmse_lobe, but it holds much of the energy of GGX.
                 within(errors.rmse_lobe, 1.0) && within(errors.l1, 3.0) && within(errors.albedo, 1.5)
             };
-            let support = (directions.support(&cap, &exact) / PI * 255.0).ceil().min(255.0) as u8;
             let order = candidates.iter().position(meets).unwrap_or(ORDERS.len() - 1) as u8;
             (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64);
-            [order, support]
+            let at_axis: Vec<f64> = directions.wo.iter().map(|&wo| specular.eval(lit(cap.axis()), wo)).collect();
+            let outer = values(&candidates[usize::from(OUTER)], &cap, &directions);
+            let beyond = |cheap: &[f64]| steps(begins(&directions, &cap, &exact, cheap, options.tolerance));
+            Node { order, outer: beyond(&outer), far: beyond(&at_axis) }
         })
         .collect();
     let mut count = [0usize; ORDERS.len()];
-    nodes.iter().for_each(|node| count[usize::from(node[0])] += 1);
+    nodes.iter().for_each(|node| count[usize::from(node.order)] += 1);
     let spread: Vec<String> =
         ORDERS.iter().zip(count).filter(|c| c.1 > 0).map(|(o, c)| format!("{o}×{o}: {c}")).collect();
     let table = Cubature::new(*specular, axes, &nodes).expect("one order per node");
     let notes = vec![format!("rule per cell (evaluations of the model: cells): {}", spread.join(", "))];
     Fitted { representation: Representation::Cubature(table), notes }
+}
+
+/// A direction on the horizon moved just above it, where a model has its limit and not the zero of below.
+fn lit(axis: DVec3) -> DVec3 {
+    DVec3::new(axis.x, axis.y, axis.z.max(1e-9))
+}
+
+/// An angle in steps of π/255, rounded up.
+fn steps(angle: f64) -> u8 {
+    (angle / PI * 255.0).ceil().min(255.0) as u8
+}
+
+/// The angle from the mirrored cap axis beyond which a cheap approximation does: at each direction to a fifth of the
+/// tolerance (over the peak of F), and all of them together to half of it (over the integral of F).
+fn begins(directions: &Directions, cap: &Cap, exact: &[f64], cheap: &[f64], tolerance: f64) -> f64 {
+    let peak = exact.iter().fold(0f64, |m, &f| m.max(f));
+    let total: f64 = exact.iter().zip(&directions.weight).map(|(f, w)| f * w).sum();
+    let centre = mirror(cap.axis());
+    let angle = |i: usize| 2.0 * (0.5 * (directions.wo[i] - centre).length()).min(1.0).asin();
+    // From the farthest direction inwards, until the budget is spent.
+    let mut order: Vec<usize> = (0..exact.len()).collect();
+    order.sort_by(|&a, &b| angle(b).total_cmp(&angle(a)));
+    let mut spent = 0.0;
+    for i in order {
+        let error = (cheap[i] - exact[i]).abs();
+        spent += error * directions.weight[i];
+        if error > 0.2 * tolerance * peak || spent > 0.5 * tolerance * total {
+            // Directions are rings apart: up to here, with room for what lies between.
+            return angle(i) * 1.1 + 0.01;
+        }
+    }
+    0.0
 }

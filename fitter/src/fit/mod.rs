@@ -90,7 +90,7 @@ pub struct Options<'a> {
 }
 
 /// Default tolerance on rmse_lobe.
-pub const TOLERANCE: f64 = 0.003;
+pub const TOLERANCE: f64 = 0.005;
 
 /// Why there is no table.
 #[derive(Debug, thiserror::Error)]
@@ -248,7 +248,7 @@ fn zonal(specular: &Specular, options: &Options) -> Option<Fitted> {
         // The tail and the energy are held to the same tolerance: bilinear errors are small but of one sign.
         let within = |error: f32, bound: f64| f64::from(error) <= bound * options.tolerance;
         let worst = summary.worst;
-        if within(worst.rmse_lobe, 0.5) && within(worst.albedo, 1.0) && within(worst.l1, 2.0) {
+        if within(worst.rmse_lobe, 0.3) && within(worst.albedo, 0.6) && within(worst.l1, 1.2) {
             break;
         }
     }
