@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result, bail};
 use render::image::{read, write_png};
-use render::metric::{compare, false_color};
+use render::metric::{Comparison, compare, false_color};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -38,14 +39,18 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         }
         write_png(path, &false_color(&image, &reference).with_context(place)?)?;
     }
-    if args.json {
-        println!("{}", serde_json::to_string(&figures)?);
+    let text = if args.json {
+        serde_json::to_string(&figures)? + "\n"
     } else {
-        println!("rmse     {:.6}", figures.rmse);
-        println!("rel_mse  {:.6}", figures.rel_mse);
-        println!("bias     {:+.6}", figures.bias);
-        println!("max      {:.6}", figures.max);
-        println!("flip     {:.6}", figures.flip);
+        let Comparison { rmse, rel_mse, bias, max, flip } = figures;
+        format!(
+            "rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}\n"
+        )
+    };
+    // A reader that has seen enough is no error.
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => return Err(e).context("standard output"),
+        _ => {}
     }
     let failed = args.fail_above.is_some_and(|limit| figures.rel_mse > limit);
     Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
