@@ -5,6 +5,7 @@
 
 use brdf_tables::cap::Cap;
 use brdf_tables::errors::Errors;
+use brdf_tables::table::Table;
 use core::f64::consts::PI;
 use fitter::check::{check, errors_of};
 use fitter::fit::{Choice, Options, TOLERANCE, fit};
@@ -20,18 +21,19 @@ fn options(representation: Choice, solver: SolverKind) -> Options<'static> {
 /// The paper's four cases: modified Phong, θe = 45°, rmse_hemi in percent.
 fn paper_cases() {
     println!("| n | Ω | paper | `paper` preset | default |\n|---|---|---|---|---|");
-    let cases = [(40, 10.0, 0.56), (40, 30.0, 0.07), (200, 10.0, 2.48), (200, 100.0, 0.16)];
-    for (n, part, published) in cases {
+    for (n, cases) in [(40, [(10.0, 0.56), (30.0, 0.07)]), (200, [(10.0, 2.48), (100.0, 0.16)])] {
         let material = recipe::material(&format!("phong:exponent={n}")).expect("a valid recipe");
-        let cap = Cap::new(0.25 * PI, 0.0, PI / part).expect("in the domain");
-        let error = |choice, solver| -> Errors {
-            let table = fit(&material, &options(choice, solver)).expect("fits");
-            errors_of(table.mean().expect("glossy"), table.specular().expect("glossy"), &cap)
-        };
-        let paper = error(Choice::Paper, SolverKind::GeneticPolished);
-        let default = error(Choice::Auto, SolverKind::LevenbergMarquardt);
-        let (a, b) = (100.0 * paper.rmse_hemi, 100.0 * default.rmse_hemi);
-        println!("| {n} | π/{part} | {published} % | {a:.3} % | {b:.4} % |");
+        let table = |choice, solver| fit(&material, &options(choice, solver)).expect("fits");
+        let paper = table(Choice::Paper, SolverKind::GeneticPolished);
+        let default = table(Choice::Auto, SolverKind::LevenbergMarquardt);
+        for (part, published) in cases {
+            let cap = Cap::new(0.25 * PI, 0.0, PI / part).expect("in the domain");
+            let error = |table: &Table| -> Errors {
+                errors_of(table.mean().expect("glossy"), table.specular().expect("glossy"), &cap)
+            };
+            let (a, b) = (100.0 * error(&paper).rmse_hemi, 100.0 * error(&default).rmse_hemi);
+            println!("| {n} | π/{part} | {published} % | {a:.3} % | {b:.4} % |");
+        }
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) fn target(oracle: &Cubature, specular: &Specular, cap: &Cap) -> (Targ
 
 /// Residual evaluations per run: Levenberg–Marquardt never needs as many, the global solvers spend them.
 pub(super) fn solver_options(kind: SolverKind) -> solver::Options {
-    let evaluations = if kind == SolverKind::LevenbergMarquardt { 400 } else { 3000 };
+    let evaluations = if kind == SolverKind::LevenbergMarquardt { 400 } else { 1000 };
     solver::Options { evaluations, cost_tolerance: 1e-6 }
 }
 
