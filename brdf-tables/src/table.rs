@@ -103,9 +103,10 @@ impl Table {
     /// The whole mean BRDF, diffuse part and colours included, RGB in sr⁻¹. The Fresnel tint is taken at the cap's axis.
     pub fn value(&self, cap: &Cap, wo: DVec3) -> [f64; 3] {
         let material = &self.header.material;
-        let specular = self.mean().map_or(0.0, |mean| mean.value(cap, wo));
-        let tint = material.specular.map_or([1.0; 3], |s| s.tint(cap.axis(), wo));
-        core::array::from_fn(|c| material.kd[c] * FRAC_1_PI + material.ks[c] * tint[c] * specular)
+        let diffuse = material.kd.map(|kd| kd * FRAC_1_PI);
+        let (Some(mean), Some(model)) = (self.mean(), &material.specular) else { return diffuse };
+        let (specular, tint) = (mean.value(cap, wo), model.tint(cap.axis(), wo));
+        core::array::from_fn(|c| diffuse[c] + material.ks[c] * tint[c] * specular)
     }
 
     /// The specular part at unit strength for many caps, into `out[..caps.len()]`; zero for a diffuse material.

@@ -240,7 +240,8 @@ impl MeanBrdf for Cubature {
                 let height = cap.height().max(f64::from(MIN_HEIGHT));
                 let (sum, area) = numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule);
                 let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
-                sum.max(0.0) / area
+                // The smallest caps on the horizon can vanish in rounding.
+                sum.max(0.0) / area.max(1e-30)
             }
         }
         if wo.z <= 0.0 {
@@ -344,7 +345,7 @@ fn picked_caps<S: Simd, M: Formula>(
             || numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule),
         );
         let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
-        let values = (Real::max(sum, height.lit(0.0)) / area).to_array();
+        let values = (Real::max(sum, height.lit(0.0)) / Real::max(area, height.lit(1e-30))).to_array();
         for (&i, value) in block.iter().zip(values) {
             store(i as usize, value);
         }
