@@ -37,7 +37,10 @@ impl Lobes {
             return None;
         }
         let valid = data.chunks(stride).all(|node| {
-            node.iter().all(|x| x.is_finite() && x.abs() <= 1e12) && node[4 * count..].iter().all(|n| *n > 0.0)
+            let [x, y, z, amplitude, exponent] = core::array::from_fn(|slot| &node[slot * count..][..count]);
+            // The exponent magnifies what the axis is longer than 1.
+            let unit = |k: usize| (x[k] * x[k] + y[k] * y[k] + z[k] * z[k] - 1.0).abs() < 1e-6;
+            (0..count).all(|k| unit(k) && amplitude[k].abs() <= 1e12 && exponent[k] > 0.0 && exponent[k] <= 1e7)
         });
         valid.then_some(Self { axes, count, data })
     }

@@ -12,6 +12,9 @@ use glam::{DVec3, Vec3};
 /// Numbers stored per lobe: Cx, Cy, Cz, n.
 pub const RAW_SIZE: usize = 4;
 
+/// No mean is larger: between a large base and a large exponent the interpolated power may overflow.
+const LARGEST: f64 = 1e12;
+
 /// Tab[θe][Ωj] with θe = e π/(2 #H), e ∈ ]0, #H], and Ωj = j 2π(1 − sin θe)/#AS, j ∈ ]0, #AS].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paper {
@@ -101,7 +104,8 @@ impl MeanBrdf for Paper {
         let w = DVec3::new(cp * wo.x + sp * wo.y, cp * wo.y - sp * wo.x, wo.z);
         self.interpolated(cap.theta(), cap.solid_angle())
             .map(|[x, y, z, n]| Real::powf(x * w.x + y * w.y + z * w.z, n))
-            .sum()
+            .sum::<f64>()
+            .min(LARGEST)
     }
 
     fn values(&self, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {

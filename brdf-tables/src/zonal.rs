@@ -22,6 +22,8 @@ use glam::{DVec3, Vec3};
 
 /// Reach of the table beyond the edge of the cap, in lobe widths 1/√n: the lobe is e⁻¹⁵ there.
 const REACH: f64 = 5.5;
+/// Largest offset and step of the stored numbers, which are of the order of 1.
+const MAX_SCALE: f64 = 1e3;
 /// Cubature order index for the part of a cap below the horizon, which the zonal form includes. Broad lobes come with
 /// large caps, and with the kink where the lobe ends.
 fn clipped_order(exponent: f64) -> u8 {
@@ -111,7 +113,7 @@ impl Zonal {
     pub fn new(specular: Specular, rows: usize, columns: usize, cells: Vec<u32>, scale: [[f64; 2]; 2]) -> Option<Self> {
         let (amplitude, exponent) = specular.radial_exponent()?;
         let fits = rows >= 2 && columns >= 2 && rows.checked_mul(columns) == Some(cells.len());
-        if !fits || scale.iter().flatten().any(|x| !x.is_finite()) {
+        if !fits || scale.iter().flatten().any(|x| !x.is_finite() || x.abs() > MAX_SCALE) {
             return None;
         }
         let clipped = Cubature::uniform(specular, clipped_order(exponent))?;
