@@ -18,6 +18,8 @@ const ELITE: usize = 2;
 const WIDTH: f64 = 0.03;
 /// Generations without progress after which the population is renewed.
 const PATIENCE: usize = 60;
+/// Renewals in a row without gain after which it stops.
+const RENEWALS: usize = 2;
 /// Half side of the box of a parameter without bounds, relative to its start.
 const UNBOUNDED_REACH: f64 = 4.0;
 
@@ -26,7 +28,7 @@ const UNBOUNDED_REACH: f64 = 4.0;
 ///
 /// Half of the first population is scattered narrowly around the start, half
 /// over the whole box. When it stagnates all but the best are replaced by new
-/// random individuals; when that gains nothing either, it stops.
+/// random individuals; when that gains nothing twice in a row, it stops.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Genetic {
     /// Budget and tolerance.
@@ -43,7 +45,8 @@ impl Solver for Genetic {
     }
 }
 
-/// Runs until it stagnates or no more than `reserve` evaluations are left.
+/// Runs until it stagnates or another generation would leave fewer than
+/// `reserve` evaluations.
 pub(super) fn evolve(objective: &Objective, seed: u64, reserve: usize) -> Stop {
     let evolution = Evolution::new(objective, seed, reserve);
     match Executor::new(objective, evolution).ctrlc(false).run() {
@@ -60,11 +63,12 @@ struct Evolution {
     domain: Vec<(f64, f64)>,
     ranges: Vec<f64>,
     reserve: usize,
-    /// Best cost when progress was last made, generations since then, and the
-    /// best cost at the last renewal.
+    /// Best cost when progress was last made, generations since then, best cost
+    /// at the last renewal, and renewals in a row that gained nothing.
     reference: f64,
     stagnant: usize,
-    renewed: Option<f64>,
+    renewed_at: f64,
+    in_vain: usize,
     stop: Option<Stop>,
 }
 
@@ -86,9 +90,14 @@ impl Evolution {
             reserve,
             reference: cost,
             stagnant: 0,
-            renewed: None,
+            renewed_at: f64::INFINITY,
+            in_vain: 0,
             stop: None,
         }
+    }
+
+    fn can_afford_a_generation(&self, objective: &Objective) -> bool {
+        objective.remaining() >= self.reserve + POPULATION
     }
 
     /// An individual from anywhere in the domain.
@@ -154,10 +163,12 @@ impl Evolution {
             return false;
         }
         self.stagnant = 0;
-        if self.renewed.is_some_and(|before| before - cost <= tolerance * cost) {
+        let gain = self.renewed_at - cost;
+        self.renewed_at = cost;
+        self.in_vain = if gain > tolerance * cost { 0 } else { self.in_vain + 1 };
+        if self.in_vain == RENEWALS {
             self.stop = Some(Stop::CostTolerance);
         }
-        self.renewed = Some(cost);
         self.stop.is_none()
     }
 }
@@ -182,7 +193,9 @@ impl<'a> ArgminSolver<&'a Objective<'a>, Population> for Evolution {
         let population = problem.problem("cost_count", |objective| {
             let (genes, cost) = objective.best();
             let mut population = vec![Individual { genes, width: WIDTH, cost }];
-            self.populate(objective, &mut population)?;
+            if self.can_afford_a_generation(objective) {
+                self.populate(objective, &mut population)?;
+            }
             Ok(population)
         })?;
         Ok((renew(state, population), None))
@@ -195,7 +208,7 @@ impl<'a> ArgminSolver<&'a Objective<'a>, Population> for Evolution {
     ) -> Result<(Population, Option<KV>), Error> {
         let mut population = state.take_population().unwrap_or_default();
         let population = problem.problem("cost_count", |objective| {
-            if objective.remaining() < self.reserve + POPULATION {
+            if !self.can_afford_a_generation(objective) {
                 self.stop = Some(Stop::Budget);
                 return Ok(population);
             }

@@ -20,7 +20,9 @@ const STEP_TOLERANCE: f64 = 1e-12;
 /// How many times better the other model must predict to be used instead.
 /// Measured on fits of 1 to 6 lobes: 1 takes half as many steps again.
 const MODEL_SWITCH: f64 = 4.0;
-/// Levenberg–Marquardt: (JᵀJ + μD) h = −Jᵀr.
+
+/// Levenberg–Marquardt: (JᵀJ + μD) h = −Jᵀr, or (JᵀJ + S + μD) h = −Jᵀr with the
+/// secant term S of NL2SOL when that predicts the cost better.
 ///
 /// D is the largest diagonal of JᵀJ so far (Marquardt 1963; Moré 1978), μ
 /// follows the gain ratio (Nielsen, IMM-REP-1999-05): an accepted step
@@ -161,7 +163,7 @@ impl Iteration {
             trial_cost = f64::INFINITY;
         }
         if trial_cost < *cost {
-            // Accept; trust the linear model as far as it predicted well.
+            // Accept; trust the model as far as it predicted well.
             let gain = decrease / predicted;
             let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
             self.damping = (self.damping * factor).max(MIN_DAMPING);

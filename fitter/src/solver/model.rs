@@ -230,4 +230,25 @@ mod tests {
         normal.assemble(&[1.0, f64::NAN, 2.0, 4.0], &[1.0, 1.0]);
         assert!(!normal.solve(1.0, &[1.0; 2], &[true; 2], &mut [0.0; 2]));
     }
+
+    /// S·step = (J − J_previous)ᵀ r, and the prediction with S takes it into account.
+    #[test]
+    fn the_secant_term_learns_the_curvature_along_the_step() {
+        let (n, rows) = (5, 20);
+        let (mut model, ..) = random(n, rows);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(9);
+        let mut draw = |count: usize| -> Vec<f64> { (0..count).map(|_| rng.random_range(-1.0..1.0)).collect() };
+        let (previous, jacobian, r, step) = (draw(n * rows), draw(n * rows), draw(rows), draw(n));
+        model.assemble(&jacobian, &r);
+        model.learn(&step, &previous, &r);
+
+        let [before, after] = [previous, jacobian].map(|j| DMatrix::from_row_slice(rows, n, &j));
+        let expected = (after - before).tr_mul(&DVector::from_vec(r));
+        let s = DMatrix::from_fn(n, n, |i, j| model.s[i.max(j) * n + i.min(j)]);
+        let h = DVector::from_vec(step);
+        assert!((&s * &h - &expected).norm() < 1e-12 * expected.norm());
+
+        let [plain, secant] = model.predicted_decrease(h.as_slice());
+        assert!((plain - secant - 0.5 * h.dot(&expected)).abs() < 1e-12 * plain.abs());
+    }
 }

@@ -32,8 +32,8 @@ pub enum Stop {
     /// - `gauss-newton`, `bfgs`: 0 < c_old − c ≤ tol·c over one iteration;
     /// - `nelder-mead`: c_old − c ≤ tol·c over 20 (n + 1) moves of the simplex of
     ///   n + 1 vertices, and a fresh simplex around the result gained no more;
-    /// - `ga`: c_old − c ≤ tol·c over 60 generations, and a renewed population
-    ///   gained no more.
+    /// - `ga`: c_old − c ≤ tol·c over 60 generations, and two renewed populations
+    ///   in a row gained no more.
     CostTolerance,
     /// The gradient is as good as zero:
     /// - `lm`: maxᵢ |gᵢ| / (‖r‖ ‖Jᵢ‖) ≤ 1e-10, the cosine between the residuals
