@@ -13,6 +13,10 @@ use brdf_tables::zonal::{Zonal, ZonalAxes};
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::LazyLock;
+
+/// Points of a Gauss–Legendre panel of the rim.
+const PANEL: usize = 16;
 
 /// (1 − tⁿ)/(1 − t²) for t ∈ (0, 1], n/2 at t = 1.
 fn quotient(t: f64, n: f64) -> f64 {
@@ -50,10 +54,14 @@ pub fn rim_integrals(n: f64, delta: f64, sigma: f64) -> (f64, f64) {
             add(PI * (i as f64 + 0.5) / nodes as f64, 2.0 * PI / nodes as f64);
         }
     } else {
-        // Part of the rim is below the horizon of w: Gauss–Legendre on the lit arc, the rest of T in closed form.
+        // Part of the rim is below the horizon of w: Gauss–Legendre on panels of the lit arc, the rest of T in closed form.
+        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(PANEL));
         let lit = (-(cd * cr) / (sd * sr)).clamp(-1.0, 1.0).acos();
-        for (x, w) in gauss_legendre(nodes) {
-            add(0.5 * lit * (x + 1.0), lit * w);
+        let panels = nodes.div_ceil(PANEL);
+        for panel in 0..panels {
+            for (x, w) in RULE.iter() {
+                add(lit * (panel as f64 + 0.5 * (x + 1.0)) / panels as f64, lit * w / panels as f64);
+            }
         }
         let beta = (sr * lit.sin()).atan2(sr * lit.cos() * cd - cr * sd);
         t += 2.0 * (PI - beta);
