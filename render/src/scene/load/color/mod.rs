@@ -100,8 +100,8 @@ mod tests {
         near(day / day.y, [1.0, 1.0, 1.0], 0.08);
         let warm = blackbody(2700.0);
         assert!(warm.x > 2.0 * warm.y && warm.y > 2.0 * warm.z);
-        // Luminance-weighted radiance at 5000 K, near Planck's 12.1 kW·m⁻²·sr⁻¹·µm⁻¹ at 560 nm.
+        // Luminance-weighted radiance at 5000 K, near Planck's 12.8 kW·m⁻²·sr⁻¹·nm⁻¹ at 560 nm.
         let y = blackbody(5000.0).dot(Rgb::new(0.2126, 0.7152, 0.0722));
-        assert!((10.0..13.0).contains(&y), "{y}");
+        assert!((12_000.0..13_000.0).contains(&y), "{y}");
     }
 }
