@@ -9,7 +9,7 @@
 //! - [`brdf`], [`material`]: the reflection models and materials. Angles in radian, f_r in sr⁻¹ without the cosine.
 //! - [`mean`]: one signature for every way to evaluate F: [`zonal`], [`cubature`], [`lobes`], [`paper`], and [`quadrature`]
 //!   as the reference.
-//! - [`table`], [`format`], [`errors`], [`axis`]: the file, what it promises, and its grid.
+//! - [`table`], [`mod@format`], [`errors`], [`axis`]: the file, what it promises, and its grid.
 //! - [`real`], [`gauss`]: one number type for scalar and vector code, and quadrature rules.
 //!
 //! `examples/lookup.rs` is the shortest complete use.

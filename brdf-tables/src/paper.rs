@@ -15,7 +15,7 @@ pub const RAW_SIZE: usize = 4;
 /// No mean is larger: between a large base and a large exponent the interpolated power may overflow.
 const LARGEST: f64 = 1e12;
 
-/// Tab[θe][Ωj] with θe = e π/(2 #H), e ∈ ]0, #H], and Ωj = j 2π(1 − sin θe)/#AS, j ∈ ]0, #AS].
+/// `Tab[θe][Ωj]` with θe = e π/(2 #H), 0 < e ≤ #H, and Ωj = j 2π(1 − sin θe)/#AS, 0 < j ≤ #AS.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paper {
     elevations: usize,
