@@ -2,3 +2,7 @@
 
 /// Reflection models: reciprocity, energy, sampling, precision, recipes.
 mod models;
+/// Damaged table files, for `tables`.
+mod hostile;
+/// The mean BRDF: truths, errors of every representation, limits, the file.
+mod tables;
