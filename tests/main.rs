@@ -1,8 +1,8 @@
 //! The tests that cross crates, as a table of contents.
 
-/// Reflection models: reciprocity, energy, sampling, precision, recipes.
-mod models;
 /// Damaged table files, for `tables`.
 mod hostile;
+/// Reflection models: reciprocity, energy, sampling, precision, recipes.
+mod models;
 /// The mean BRDF: truths, errors of every representation, limits, the file.
 mod tables;

@@ -103,7 +103,8 @@ fn lambert_is_exact_and_not_fitted() {
     };
     let mut rng = rng(4);
     for _ in 0..2000 {
-        let (cap, wo) = (any_cap(&mut rng), spherical(0.999 * FRAC_PI_2 * rng.random::<f64>(), TAU * rng.random::<f64>()));
+        let (cap, wo) =
+            (any_cap(&mut rng), spherical(0.999 * FRAC_PI_2 * rng.random::<f64>(), TAU * rng.random::<f64>()));
         for table in [&table, &coated] {
             for (value, rho) in table.value(&cap, wo).into_iter().zip(rho) {
                 assert!((value - rho / PI).abs() <= 1e-6 * rho, "{value} instead of {rho}/pi");
