@@ -92,3 +92,39 @@ impl<'a> FromIterator<&'a Cap> for CapBatch {
         batch
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pushed_caps_come_back() {
+        let caps: Vec<Cap> = (0..37)
+            .map(|i| Cap::with_half_angle(0.04 * f64::from(i), f64::from(i), 0.01 + 0.04 * f64::from(i)).unwrap())
+            .collect();
+        let batch: CapBatch = caps.iter().collect();
+        assert_eq!(batch.len(), 37);
+        for (i, cap) in caps.iter().enumerate() {
+            let back = batch.cap(i);
+            assert!((back.axis() - cap.axis()).length() < 1e-6, "axis {i}");
+            assert!((back.solid_angle() / cap.solid_angle() - 1.0).abs() < 1e-6, "solid angle {i}");
+        }
+        // Lanes beyond the last cap hold one that no look-up trips over.
+        let [x, y, z, height] = batch.lanes(32);
+        assert_eq!([x[10], y[10], z[10], height[10]], [0.0, 0.0, 1.0, 0.5]);
+    }
+
+    #[test]
+    fn what_is_outside_moves_to_the_edge() {
+        let mut batch = CapBatch::with_capacity(4);
+        for (axis, omega) in [(Vec3::NAN, f32::NAN), (Vec3::new(0.6, 0.0, -0.8), 9.0), (Vec3::NEG_Z, -1.0)] {
+            batch.push(axis, omega);
+        }
+        let smallest = MIN_HEIGHT * core::f32::consts::TAU;
+        assert_eq!(batch.get(0), (Vec3::Z, smallest));
+        assert_eq!(batch.get(1), (Vec3::X, core::f32::consts::TAU));
+        assert_eq!(batch.get(2), (Vec3::Z, smallest));
+        batch.clear();
+        assert!(batch.is_empty());
+    }
+}

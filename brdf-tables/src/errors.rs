@@ -62,3 +62,20 @@ impl Summary {
         Self { caps: errors.len() as u32, median: at(0.5), p95: at(0.95), worst: at(1.0) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summary_orders_each_error_by_itself() {
+        let errors: Vec<Errors> =
+            (0..101).map(|i| Errors::from_array([i, 100 - i, 0, 7, i % 10].map(|x| x as f32))).collect();
+        let summary = Summary::new(&errors);
+        assert_eq!(summary.caps, 101);
+        assert_eq!(summary.median.to_array(), [50.0, 50.0, 0.0, 7.0, 4.0]);
+        assert_eq!(summary.p95.to_array(), [95.0, 95.0, 0.0, 7.0, 9.0]);
+        assert_eq!(summary.worst.to_array(), [100.0, 100.0, 0.0, 7.0, 9.0]);
+        assert_eq!(Summary::new(&[]), Summary::default());
+    }
+}

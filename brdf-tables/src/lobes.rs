@@ -227,3 +227,53 @@ fn batch<S: Simd>(simd: S, table: &Lobes, caps: &CapBatch, wo: Vec3, out: &mut [
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{mirror, spherical};
+
+    /// The mirror direction is the pole, angles are kept, and the y axis follows the quadrant of the cap.
+    #[test]
+    fn mirror_frame() {
+        for (theta, phi) in [(0.01, 0.1), (0.4, 0.5), (1.2, 2.0), (0.9, 4.0), (1.5, -0.5)] {
+            let axis = spherical(theta, phi);
+            assert!((into_mirror_frame(axis, mirror(axis)) - DVec3::Z).length() < 1e-12);
+            let (a, b) = (spherical(0.8, 1.0), spherical(0.3, 5.0));
+            let (fa, fb) = (into_mirror_frame(axis, a), into_mirror_frame(axis, b));
+            assert!((fa.dot(fb) - a.dot(b)).abs() < 1e-12 && (fa.length() - 1.0).abs() < 1e-12);
+            let flip = |w: DVec3| DVec3::new(-w.x, w.y, w.z);
+            let there = into_mirror_frame(flip(axis), flip(a));
+            assert!((there - fa).length() < 1e-12, "{theta} {phi}: {there} {fa}");
+        }
+    }
+
+    #[test]
+    fn corner_weights_add_up() {
+        let axes = Axes { theta: 4, phi: 3, omega: 5, sharpness: 30.0, stretch: 1.0 };
+        let lobe = Lobe { axis: DVec3::Z, amplitude: 1.0, exponent: 9.0 };
+        let table = Lobes::from_nodes(axes, &vec![vec![lobe]; axes.len()]).unwrap();
+        for i in 0..200 {
+            let x = f64::from(i) / 199.0;
+            let cap = Cap::new(1.57 * x, 7.0 * x, 1e-6 + 6.0 * x * x).unwrap();
+            let w = spherical(0.3, 1.0 + x);
+            let wo = mirror(cap.axis());
+            assert!((table.value(&cap, wo) - if wo.z > 0.0 { 1.0 } else { 0.0 }).abs() < 1e-6, "{x} {w}");
+        }
+        for node in 0..axes.len() {
+            assert_eq!(table.node(node)[0], lobe);
+        }
+    }
+
+    #[test]
+    fn numbers_that_make_no_lobe_are_refused() {
+        let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
+        let with = |axis: DVec3, amplitude: f64, exponent: f64| {
+            Lobes::from_nodes(axes, &vec![vec![Lobe { axis, amplitude, exponent }]; 4]).is_some()
+        };
+        assert!(with(DVec3::Z, -3.0, 1e5));
+        assert!(!with(2.0 * DVec3::Z, 1.0, 1.0) && !with(DVec3::ZERO, 1.0, 1.0) && !with(DVec3::NAN, 1.0, 1.0));
+        assert!(!with(DVec3::Z, f64::NAN, 1.0) && !with(DVec3::Z, 1e13, 1.0));
+        assert!(!with(DVec3::Z, 1.0, 0.0) && !with(DVec3::Z, 1.0, 1e9) && !with(DVec3::Z, 1.0, f64::NAN));
+    }
+}

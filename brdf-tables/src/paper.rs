@@ -114,3 +114,44 @@ impl MeanBrdf for Paper {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{mirror, spherical};
+
+    /// At the nodes the table says what was put in; beyond the grid, what its edge says.
+    #[test]
+    fn nodes_and_edges() {
+        let lobe = |e: usize, j: usize| Lobe {
+            axis: mirror(spherical(FRAC_PI_2 * e as f64 / 4.0, 0.0)),
+            amplitude: 1.0 + j as f64,
+            exponent: 10.0 + e as f64,
+        };
+        let cells: Vec<Vec<Lobe>> = (1..=4).flat_map(|e| (1..=3).map(move |j| vec![lobe(e, j)])).collect();
+        let table = Paper::from_cells(4, 3, 1, &cells).unwrap();
+        let wo = spherical(0.8, 2.9);
+        for (e, j) in (1..=3).flat_map(|e| (1..=3).map(move |j| (e, j))) {
+            let cap = Paper::cap_at(4, 3, e, j);
+            assert!((cap.theta() - FRAC_PI_2 * e as f64 / 4.0).abs() < 1e-12);
+            assert!((table.value(&cap, wo) / lobe(e, j).value(wo) - 1.0).abs() < 1e-5, "cell {e} {j}");
+        }
+        let small = Cap::new(FRAC_PI_2 / 4.0, 0.0, 1e-9).unwrap();
+        assert!((table.value(&small, wo) / lobe(1, 1).value(wo) - 1.0).abs() < 1e-5);
+        let upright = Cap::new(0.0, 0.0, Paper::cap_at(4, 3, 1, 2).solid_angle()).unwrap();
+        assert!((table.value(&upright, wo) / lobe(1, 2).value(wo) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn counts_and_numbers_are_checked() {
+        let cell = [-0.3f32, 0.0, 0.9, 20.0];
+        assert!(Paper::new(2, 2, 1, cell.repeat(4)).is_some());
+        assert!(Paper::new(2, 2, 1, cell.repeat(3)).is_none());
+        assert!(Paper::new(usize::MAX, usize::MAX, 16, cell.repeat(4)).is_none());
+        assert!(Paper::new(2, 2, 1, [0.0, 0.0, 1.0, 0.0].repeat(4)).is_none(), "exponent 0");
+        // A large base on one row and a large exponent on the next.
+        let steep = [[1e6f32, 0.0, 1e6, 1.0], [1.0, 0.0, 1.0, 1e6]].as_flattened().to_vec();
+        let value = Paper::new(2, 1, 1, steep).unwrap().value(&Cap::new(1.2, 0.0, 0.1).unwrap(), spherical(0.7, 0.0));
+        assert!(value.is_finite() && value > 1.0, "{value}");
+    }
+}

@@ -109,3 +109,39 @@ fn refine(brdf: &impl Brdf, cap: &Cap, wo: DVec3, width: f64, tolerance: f64, sc
     }
     value
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::Phong;
+    use crate::frame::spherical;
+
+    /// Known integrals over caps: constants (the area, and the projected area in closed form) and a polynomial.
+    #[test]
+    fn integrates_what_is_known() {
+        for (theta, sigma) in [(0.0, 0.3), (0.7, 0.4), (1.2, 0.9), (FRAC_PI_2, 0.5), (0.0, FRAC_PI_2), (1e-7, 1.2)] {
+            let cap = Cap::with_half_angle(theta, 0.9, sigma).unwrap();
+            let sum = integrate(&cap, 3, 4, &|_| 1.0);
+            assert!((sum / cap.projected_solid_angle() - 1.0).abs() < 1e-6, "{theta} {sigma}: {sum}");
+        }
+        // ∫ cos²θ over a cap about the normal.
+        let cap = Cap::with_half_angle(0.0, 0.0, 0.8).unwrap();
+        let exact = 2.0 * PI * (1.0 - 0.8f64.cos().powi(3)) / 3.0;
+        assert!((integrate(&cap, 2, 3, &|w| w.z) - exact).abs() < 1e-10);
+    }
+
+    /// A lobe of a hundredth of a radian anywhere in a cap of one radian is found.
+    #[test]
+    fn narrow_lobes_are_not_missed() {
+        let specular = Specular::Phong(Phong { exponent: 1e4 });
+        let cap = Cap::with_half_angle(0.4, 0.2, 1.0).unwrap();
+        let all = 1.0 / cap.projected_solid_angle();
+        for (theta, phi) in [(0.4, 3.34), (0.9, 3.0), (0.05, 1.0), (0.7, 4.0)] {
+            let wo = spherical(theta, phi);
+            // The whole lobe lies in the cap: ∫ f cosθi = cosθo, but for terms in 1/n.
+            let mean = mean_brdf(&specular, &cap, wo, 1e-6, 0.0);
+            assert!((mean / (all * wo.z) - 1.0).abs() < 1e-3, "{theta} {phi}: {mean}");
+        }
+        assert_eq!(mean_brdf(&specular, &cap, DVec3::NEG_Z, 1e-6, 0.0), 0.0);
+    }
+}

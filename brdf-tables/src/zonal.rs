@@ -259,3 +259,50 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
         table.clipped.values_at(simd, caps, &direct[..directs], wo, |i, value| out[i - chunk * CHUNK] = value);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::Phong;
+
+    #[test]
+    fn coordinates_are_inverse() {
+        for exponent in [0.5, 1.0, 40.0, 1e4] {
+            let axes = ZonalAxes::new(exponent);
+            for (u, v) in (1..=20).flat_map(|i| (0..=20).map(move |j| (f64::from(i) / 20.0, f64::from(j) / 20.0))) {
+                let (sigma, delta) = axes.angles(u, v);
+                let radius = axes.radius(2.0 * (0.5 * sigma).sin().powi(2));
+                let s = 2.0 * axes.sharpness.sqrt() * (0.5 * delta).sin();
+                assert!((axes.u(radius) - u).abs() < 1e-9, "n {exponent}: {u}");
+                assert!((axes.v(s, radius) - v).abs() < 1e-7, "n {exponent}: {u} {v}");
+            }
+            assert!((axes.angles(1.0, 0.0).0 - 0.5 * PI).abs() < 1e-12);
+        }
+    }
+
+    /// 1 − cosⁿ⁺²σ in both precisions, from the smallest cap to the hemisphere.
+    #[test]
+    fn filled_keeps_its_digits() {
+        for exponent in [1.0, 20.0, 1e4] {
+            let phong = Specular::Phong(Phong { exponent });
+            let table = Zonal::new(phong, 2, 2, vec![0; 4], [[0.0, 1.0]; 2]).unwrap();
+            for h in (0..=60).map(|i| 10f64.powf(-0.2 * f64::from(i))) {
+                let exact = -((exponent + 2.0) * (-h).ln_1p()).exp_m1();
+                assert!((table.filled(h) / exact - 1.0).abs() < 1e-6, "n {exponent} h {h}");
+                assert!((f64::from(table.filled(h as f32)) / exact - 1.0).abs() < 1e-5, "n {exponent} h {h} in f32");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_radial_or_not_finite_is_refused() {
+        let make = |scale, cells| {
+            Zonal::new(Specular::Phong(Phong { exponent: 5.0 }), 2, 2, vec![0; cells], [[0.0, scale]; 2])
+        };
+        assert!(make(1.0, 4).is_some() && make(1.0, 5).is_none());
+        assert!(make(f64::NAN, 4).is_none() && make(1e9, 4).is_none());
+        let rough =
+            crate::brdf::ALL.iter().flat_map(|m| (m.examples)()).find(|s| s.radial_exponent().is_none()).unwrap();
+        assert!(Zonal::new(rough, 2, 2, vec![0; 4], [[0.0, 1.0]; 2]).is_none());
+    }
+}

@@ -111,3 +111,40 @@ pub fn check(table: &Table, points: usize, seed: u64, progress: &(dyn Fn(f64) + 
     let passed = measured.iter().zip(promise).all(|(m, p)| *m <= p);
     Check { main, clipped: Summary::new(&clipped), wide: Summary::new(&wide), worst, promise, passed }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdf_tables::brdf::Phong;
+    use brdf_tables::cubature::Cubature;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn drawn_caps_lie_in_their_domain() {
+        for exponent in [1.0, 30.0, 1000.0] {
+            let specular = Specular::Phong(Phong { exponent });
+            let width = specular.lobe_width();
+            let caps = |sampling| random_caps(&specular, sampling, 500, &mut Xoshiro256PlusPlus::seed_from_u64(1));
+            for cap in caps(Sampling::Main) {
+                assert!(cap.half_angle() <= 2.5 * width + 1e-9 && cap.theta() <= 84f64.to_radians() + 1e-9);
+                assert!(cap.theta() + 0.1 * cap.half_angle() <= FRAC_PI_2 + 1e-9);
+            }
+            for cap in caps(Sampling::Clipped) {
+                let cut = (cap.theta() + cap.half_angle() - FRAC_PI_2) / cap.half_angle();
+                assert!((-1e-6..=0.9 + 1e-6).contains(&cut), "cut by {cut} of the radius");
+            }
+            assert!(caps(Sampling::Wide).iter().any(|cap| cap.theta() > 1.5));
+        }
+    }
+
+    /// A rule of one node is told from one of sixteen by the five errors.
+    #[test]
+    fn a_poor_table_is_found_out() {
+        let specular = Specular::Phong(Phong { exponent: 50.0 });
+        let cap = Cap::with_half_angle(0.7, 0.2, 0.3).unwrap();
+        let error = |order| errors_of(&Cubature::uniform(specular, order).unwrap(), &specular, &cap).to_array();
+        for (poor, good) in error(0).into_iter().zip(error(9)) {
+            assert!(poor > 0.003 && good < 1e-3, "{poor} {good}");
+        }
+    }
+}

@@ -90,3 +90,63 @@ impl Directions {
         self.wo.iter().map(angle).filter(|a| *a > last + 1e-9).fold(PI, f64::min)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdf_tables::brdf::{Brdf, Phong};
+    use brdf_tables::frame::spherical;
+    use core::f64::consts::FRAC_PI_2;
+
+    fn directions(theta: f64, sigma: f64) -> (Cap, Specular, Directions) {
+        let specular = Specular::Phong(Phong { exponent: 40.0 });
+        let cap = Cap::with_half_angle(theta, 0.4, sigma).unwrap();
+        let directions = Directions::new(&specular, &cap);
+        (cap, specular, directions)
+    }
+
+    /// The weights make up the hemisphere, and the lobe integrates to what it should.
+    #[test]
+    fn weights_are_solid_angles() {
+        for (theta, sigma) in [(0.0, 0.1), (0.6, 0.4), (1.3, 0.2), (FRAC_PI_2, 0.3)] {
+            let (_, _, d) = directions(theta, sigma);
+            let sum: f64 = d.weight.iter().sum();
+            assert!((sum / TAU - 1.0).abs() < 0.1, "{theta} {sigma}: {sum}");
+            assert!(d.wo.iter().all(|w| w.z > 0.0 && (w.length() - 1.0).abs() < 1e-12));
+        }
+        let (cap, specular, d) = directions(0.6, 1e-4);
+        let sum: f64 = d.wo.iter().zip(&d.weight).map(|(&wo, w)| w * specular.eval(cap.axis(), wo)).sum();
+        assert!((sum * 41.0 / 42.0 - 1.0).abs() < 1e-3, "{sum}");
+    }
+
+    /// The five formulas, on an error of one sign and size.
+    #[test]
+    fn the_five_errors() {
+        let (_, _, d) = directions(0.6, 0.2);
+        let exact: Vec<f64> =
+            d.wo.iter().map(|w| if w.dot(spherical(0.6, 0.4 + PI)) > 0.95 { 2.0 } else { 0.0 }).collect();
+        let approximate: Vec<f64> = exact.iter().map(|f| f * 1.1).collect();
+        let errors = d.errors(&exact, &approximate).to_array();
+        let area: f64 = d.weight.iter().zip(&exact).filter(|(_, f)| **f > 0.0).map(|(w, _)| w).sum();
+        let expected = [0.1 * (area / TAU).sqrt(), 0.1, 0.1, 0.1, 0.1];
+        for ((found, expected), name) in errors.into_iter().zip(expected).zip(Errors::NAMES) {
+            assert!((f64::from(found) - expected).abs() < 1e-6, "{name}: {found} instead of {expected}");
+        }
+        assert_eq!(d.errors(&exact, &exact).to_array(), [0.0; 5]);
+        let none = vec![0.0; exact.len()];
+        assert!(d.errors(&none, &none).to_array().iter().all(|e| e.is_finite()));
+    }
+
+    #[test]
+    fn support_reaches_past_the_last_lit_ring() {
+        let (cap, _, d) = directions(0.5, 0.1);
+        let lit = |edge: f64| -> Vec<f64> {
+            d.wo.iter().map(|w| if w.angle_between(mirror(cap.axis())) < edge { 1.0 } else { 0.0 }).collect()
+        };
+        for edge in [0.2, 0.5, 1.0] {
+            let support = d.support(&cap, &lit(edge));
+            assert!((edge..1.5 * edge + 0.1).contains(&support), "{edge}: {support}");
+        }
+        assert_eq!(d.support(&cap, &lit(PI)), PI);
+    }
+}

@@ -83,3 +83,34 @@ fn peak_density(specular: &Specular, wo: DVec3) -> f64 {
     let grid = (0..64).map(|i| (DVec2::new((i / 8) as f64, (i % 8) as f64) + 0.5) / 8.0);
     grid.filter_map(|u| specular.sample(wo, u)).map(|wi| specular.pdf(wi, wo)).fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdf_tables::brdf::Phong;
+    use brdf_tables::frame::{mirror, spherical};
+
+    #[test]
+    fn seeds_and_counts() {
+        let specular = Specular::Phong(Phong { exponent: 30.0 });
+        let cap = Cap::with_half_angle(0.6, 0.3, 0.3).unwrap();
+        let wo = mirror(cap.axis());
+        let run = |samples, seed| mean_brdf_mc(&specular, &cap, wo, samples, seed);
+        assert_eq!(run(1000, 4), run(1000, 4));
+        assert_ne!(run(1000, 4), run(1000, 5));
+        assert!(run(0, 1).value > 0.0, "at least 32 samples are taken");
+        assert!(run(1 << 16, 1).stderr < 0.05 * run(1 << 8, 1).stderr);
+        // Sequences longer than one scramble go on with another.
+        let long = run(16 * 2 * (SEQUENCE + 9), 1);
+        assert!((long.value - run(1 << 16, 2).value).abs() < 5.0 * run(1 << 16, 2).stderr);
+        assert_eq!(mean_brdf_mc(&specular, &cap, spherical(2.0, 0.0), 100, 1).value, 0.0);
+    }
+
+    #[test]
+    fn small_caps_are_told_from_large_ones() {
+        let specular = Specular::Phong(Phong { exponent: 98.0 });
+        // (n + 1)/2π at the mirror direction.
+        let density = peak_density(&specular, spherical(0.3, 0.0));
+        assert!((density / (99.0 / core::f64::consts::TAU) - 1.0).abs() < 0.1, "{density}");
+    }
+}

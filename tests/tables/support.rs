@@ -10,21 +10,15 @@ use rand::RngExt;
 
 #[test]
 fn nothing_beyond_the_support() {
-    let models = [
-        phong(3.0),
-        phong(100.0),
-        phong(1000.0),
-        microfacet(Distribution::Ggx, 0.1, 0.1),
-        microfacet(Distribution::Beckmann, 0.3, 0.3),
-        ward(0.1, 0.5, WardVariant::Ward1992),
-    ];
+    let models =
+        [phong(3.0), phong(100.0), microfacet(Distribution::Ggx, 0.1, 0.1), ward(0.1, 0.5, WardVariant::Ward1992)];
     for specular in models {
         let table = fitted(specular, Choice::Auto);
         let mean = table.mean().unwrap();
         let mut rng = rng(12);
         let (mut skipped, mut tried, mut brightest) = (0, 0, 0f64);
         for sampling in [Sampling::Main, Sampling::Clipped] {
-            for cap in random_caps(&specular, sampling, 60, &mut rng) {
+            for cap in random_caps(&specular, sampling, 40, &mut rng) {
                 let top =
                     (0..200).map(|_| mean.value(&cap, lit_direction(&specular, &cap, &mut rng))).fold(0.0, f64::max);
                 let support = table.support(&cap);

@@ -97,3 +97,32 @@ impl Footprint {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::{ALL, Brdf};
+    use crate::frame::spherical;
+
+    /// The footprint is centred on the maximum of the lobe along the plane of incidence, where there is one, and about as
+    /// wide as the lobe.
+    #[test]
+    fn centre_and_width_follow_the_lobe() {
+        let narrow = |s: &Specular| s.lobe_width() < 0.2 && !matches!(s, Specular::Lafortune(_));
+        for specular in ALL.iter().flat_map(|m| (m.examples)()).filter(narrow) {
+            for phi in [0.0, 0.5 * core::f64::consts::PI] {
+                let wo = spherical(0.5, phi);
+                let (lobe, (c, s)) = Footprint::new(&specular, wo);
+                let at = |a: f64| {
+                    let (sin, cos) = a.sin_cos();
+                    specular.eval(DVec3::new(sin * c, sin * s, cos), wo)
+                };
+                let centre = lobe.sin_peak.atan2(lobe.cos_peak);
+                let top = (-400..400).map(|i| at(centre + 0.002 * f64::from(i))).fold(0.0, f64::max);
+                assert!(at(centre) > 0.7 * top, "{specular:?}: {} of {top} at the centre", at(centre));
+                let (inside, outside) = (at(centre + 0.1 * lobe.width_a), at(centre + 1.5 * lobe.width_a));
+                assert!(inside > 0.5 * top && outside < 0.1 * top, "{specular:?}: {inside} {outside} of {top}");
+            }
+        }
+    }
+}

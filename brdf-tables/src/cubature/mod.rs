@@ -186,3 +186,35 @@ pub fn numerator<T: Real, F: Formula>(
 fn turned<T: Real>([x, y, z]: [T; 3], cos: T, sin: T) -> [T; 3] {
     [x * cos - y * sin, x * sin + y * cos, z]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mapped rule integrates 1 over any interval, and a bell of the width of the map far better than a plain one.
+    #[test]
+    fn mapped_intervals() {
+        let rule = crate::gauss::gauss_legendre(8);
+        for (lo, length, kappa) in [(-1.0, 2.0, 2.0), (0.3, 1e-6, 0.5), (-3.0, 1.0, 0.5), (-0.2, 0.4, 10.0)] {
+            let map = Mapped::<f64>::new(lo, length, kappa);
+            let (first, last) = (map.at(-1.0).0, map.at(1.0).0);
+            assert!((first - lo).abs() < 1e-6 * kappa.max(length), "{lo} {length} {kappa}: {first}");
+            assert!((last - lo - length).abs() < 1e-6 * kappa.max(length), "{lo} {length} {kappa}: {last}");
+            let sum = |f: &dyn Fn(f64) -> f64| {
+                rule.iter().map(|&(x, w)| (map.at(x), w)).map(|((x, j), w)| w * j * f(x)).sum::<f64>()
+            };
+            assert!((sum(&|_| 1.0) / length - 1.0).abs() < 0.02, "{lo} {length} {kappa}: {}", sum(&|_| 1.0));
+        }
+        let map = Mapped::<f64>::new(-1.0, 2.0, 0.1);
+        let bell: f64 =
+            rule.iter().map(|&(x, w)| (map.at(x), w)).map(|((x, j), w)| w * j * (-(x / 0.03).powi(2)).exp()).sum();
+        assert!((bell / (0.03 * core::f64::consts::PI.sqrt()) - 1.0).abs() < 0.02, "{bell}");
+    }
+
+    #[test]
+    fn poles_are_seen() {
+        assert!(holds_pole::<f64>([0.0, 1.0, 0.0], 1e-3));
+        assert!(!holds_pole::<f64>([0.0, 0.0, 1.0], 0.5));
+        assert!(holds_pole::<f64>([0.1, 0.99, 0.1], 0.05) && !holds_pole::<f64>([0.1, 0.99, 0.1], 0.005));
+    }
+}
