@@ -1,15 +1,19 @@
-//! Renders glossy global illumination: scenes, ray tracing, a path tracer.
+//! Renders glossy global illumination: scenes, ray tracing, a path tracer, and caches of glossy light.
 
 pub mod bsdf;
 pub mod bvh;
+pub mod cache;
 pub mod camera;
 pub mod film;
 pub mod frame;
+pub mod gather;
 pub mod image;
 pub mod integrator;
 pub mod light;
 pub mod metric;
 pub mod ray;
+pub mod record;
 pub mod sampler;
 pub mod scene;
+pub mod tables;
 pub mod world;

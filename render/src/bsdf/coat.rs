@@ -3,7 +3,7 @@
 use super::{Facets, Scatter, Split, Value, fresnel, mean, mirror, share};
 use crate::frame::cosine_hemisphere;
 use crate::scene::{Distribution, Rgb};
-use core::f32::consts::FRAC_1_PI;
+use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
 /// Albedo of the base over the light that internal reflection sends back to it, over π η².
@@ -96,6 +96,14 @@ impl CoatTable {
         points.map(weight).sum::<f32>() / (Self::POINTS * Self::POINTS) as f32
     }
 
+    /// Mean transmittance under a cosine-weighted hemisphere.
+    fn mean_transmittance(&self) -> f32 {
+        let node = |i: usize| (i as f32 / (Self::NODES - 1) as f32, self.transmittance[i]);
+        let (weights, sum) =
+            (0..Self::NODES).map(node).fold((0.0, 0.0), |(w, s), (cos, t)| (w + cos, s + cos * t));
+        sum / weights
+    }
+
     #[inline]
     fn transmittance(&self, cos: f32) -> f32 {
         let x = cos.clamp(0.0, 1.0) * (Self::NODES - 1) as f32;
@@ -116,6 +124,12 @@ pub(crate) struct RoughCoat<'a> {
 }
 
 impl RoughCoat<'_> {
+    /// Albedo of the base at this view, light coming from everywhere alike.
+    pub fn base_albedo(&self, wo: Vec3A) -> Rgb {
+        let through = self.table.transmittance(wo.z) * self.table.mean_transmittance();
+        base(self.diffuse, self.table.internal, self.nonlinear, self.eta) * (through * PI)
+    }
+
     /// Transmittance at the view, and the probability of sampling the reflection.
     #[inline]
     fn choose(&self, wo: Vec3A) -> (f32, f32) {

@@ -15,7 +15,7 @@ mod rough_dielectric;
 mod tests;
 
 use crate::frame::{Frame, cosine_hemisphere};
-use crate::scene::Rgb;
+use crate::scene::{MaterialId, Rgb};
 pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
 use core::f32::consts::FRAC_1_PI;
 use core::ops::{Add, Mul};
@@ -133,6 +133,17 @@ pub struct Bsdf<'a> {
     wo: Vec3A,
     /// The smooth shading normal in the local frame, where a texture bent the frame away from it.
     unbent: Option<Vec3A>,
+    /// The material behind all wrappers.
+    material: MaterialId,
+}
+
+/// Colours of the two parts that a cache multiplies its light by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parts {
+    /// Albedo of the Lambertian part.
+    pub diffuse: Rgb,
+    /// Factor on the specular part at unit strength, Fresnel term aside.
+    pub specular: Rgb,
 }
 
 impl Bsdf<'_> {
@@ -140,6 +151,35 @@ impl Bsdf<'_> {
     #[inline]
     pub fn normal(&self) -> Vec3A {
         self.frame.normal()
+    }
+
+    /// The local frame.
+    #[inline]
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// Unit direction to the eye, local frame.
+    #[inline]
+    pub fn wo(&self) -> Vec3A {
+        self.wo
+    }
+
+    /// The material behind all wrappers (two-sided, masks, bent normals, blends).
+    #[inline]
+    pub fn material(&self) -> MaterialId {
+        self.material
+    }
+
+    /// Colours of the parts of models that are a Lambertian part and one lobe; `None` for the others.
+    pub fn parts(&self) -> Option<Parts> {
+        match &self.model {
+            Model::Diffuse(reflectance) => Some(Parts { diffuse: *reflectance, specular: Rgb::ZERO }),
+            Model::Glossy(m) => Some(Parts { diffuse: m.diffuse, specular: m.specular }),
+            Model::RoughMetal(m) => Some(Parts { diffuse: Rgb::ZERO, specular: m.smooth.specular }),
+            Model::RoughCoat(m) => Some(Parts { diffuse: m.base_albedo(self.wo), specular: m.specular }),
+            _ => None,
+        }
     }
 
     /// Whether light is reflected, never transmitted.

@@ -53,7 +53,7 @@ impl World {
                     let unbent = unbent.map(|n| frame.to_local(n));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
                     let model = if visible { self.model(id, material, at.uv, wo) } else { Model::Absorb };
-                    return Bsdf { model, frame, wo, unbent };
+                    return Bsdf { model, frame, wo, unbent, material: id };
                 }
             }
         }

@@ -5,7 +5,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use render::film::{Budget, Picture, render};
 use render::image::write_picture;
 use render::integrator::PathTracer;
+use render::integrator::cached::policy::{Allowed, Policy};
+use render::integrator::cached::{Figures, Settings, render_cached};
+use render::record::eas::Estimator;
 use render::scene::{Camera, Crop, Scene, load};
+use render::tables::Tables;
 use render::world::World;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -22,8 +26,25 @@ const PNG_SECONDS: f64 = 1e-7;
 /// How to render.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Method {
-    /// Path tracing.
+    /// EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest.
+    Auto,
+    /// Path tracing: the reference.
     Path,
+    /// EAS on every glossy surface that a table can hold.
+    Eas,
+    /// Irradiance records on diffuse surfaces, path tracing of glossy ones.
+    Irradiance,
+}
+
+impl Method {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Path => "path",
+            Self::Eas => "eas",
+            Self::Irradiance => "irradiance",
+        }
+    }
 }
 
 /// Arguments of `render image`.
@@ -37,6 +58,16 @@ pub struct Args {
     /// How to render.
     #[arg(long, value_enum, default_value_t = Method::Path)]
     method: Method,
+    /// How EAS are moved and summed: the published way, or ours.
+    #[arg(long, value_enum, default_value_t = Estimator::Improved)]
+    eas: Estimator,
+    /// Quality of a cached rendering, the paper's tau: rays, spacing and number of sources follow
+    /// [default: 0.02, or what --time allows].
+    #[arg(long, value_name = "TAU")]
+    tau: Option<f32>,
+    /// Folder of fitted tables; what is missing is fitted and kept there.
+    #[arg(long, value_name = "DIR", default_value = "tables")]
+    tables: PathBuf,
     /// Samples per pixel [default: what the scene asks for].
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = clap::value_parser!(u32).range(1..=1 << 22))]
     spp: Option<u32>,
@@ -88,8 +119,49 @@ fn parse_crop(text: &str) -> Result<Crop, String> {
     }
 }
 
+/// Renders through caches; tells what it does with each material.
+fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, stats: &mut Stats) -> Result<Picture> {
+    ensure!(args.error.is_none(), "--error needs --method path: a cached picture does not know its error");
+    if let Some(tau) = args.tau {
+        ensure!((0.0005..=1.0).contains(&tau), "--tau needs a number from 0.0005 to 1");
+    }
+    let allowed = match args.method {
+        Method::Irradiance => Allowed::Irradiance,
+        Method::Eas => Allowed::Eas,
+        Method::Auto | Method::Path => Allowed::Auto,
+    };
+    let mut tables = Tables::open(&args.tables)?;
+    let policy = pool.install(|| Policy::new(&world.scene, allowed, |recipe| tables.find(recipe)))?;
+    for note in tables.notes.iter().chain(&policy.notes) {
+        eprintln!("render: {note}");
+    }
+    let settings = Settings {
+        tolerance: args.tau,
+        estimator: args.eas,
+        budget,
+        seed: args.seed,
+        indirect_only: args.indirect_only,
+    };
+    let (picture, figures, _) =
+        pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, progress)));
+    stats.take(&figures, tables.fitting);
+    eprintln!(
+        "render: {:.2} s to fill, {:.2} s to shade; {} EAS records of {:.0} sources and {:.0} bytes, {} irradiance records; \
+        {} KB in all; tau {:.4}",
+        stats.seconds.fill,
+        stats.seconds.shade,
+        figures.eas_records,
+        stats.eas_mean,
+        stats.bytes_per_record,
+        figures.irradiance_records,
+        figures.bytes / 1000,
+        figures.tolerance
+    );
+    Ok(picture)
+}
+
 /// What `--stats` says; the keys of the cache stay zero without one.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct Stats {
     method: &'static str,
     seconds: Seconds,
@@ -102,7 +174,20 @@ struct Stats {
     threads: usize,
 }
 
-#[derive(Debug, Serialize)]
+impl Stats {
+    fn take(&mut self, figures: &Figures, fitting: Duration) {
+        self.seconds.fit = fitting.as_secs_f64();
+        self.seconds.fill = figures.fill.as_secs_f64();
+        self.seconds.shade = figures.shade.as_secs_f64();
+        self.records = (figures.eas_records + figures.irradiance_records) as u64;
+        let per_record = |x: usize| if figures.eas_records > 0 { x as f64 / figures.eas_records as f64 } else { 0.0 };
+        self.eas_mean = per_record(figures.sources);
+        self.bytes_per_record = per_record(figures.eas_bytes);
+        self.cache_bytes = figures.bytes as u64;
+    }
+}
+
+#[derive(Debug, Default, Serialize)]
 struct Seconds {
     load: f64,
     fit: f64,
@@ -134,26 +219,28 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         scene.integrator.max_depth = depth;
     }
     let budget = budget(args, &scene);
-    let Method::Path = args.method;
-    let integrator = PathTracer { settings: scene.integrator, indirect_only: args.indirect_only };
     let world = pool.install(|| World::new(scene)).with_context(|| args.scene.display().to_string())?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let shading = Instant::now();
-    let picture = pool.install(|| with_progress(&world, &integrator, budget, args.seed));
+    let mut stats = Stats { method: args.method.name(), threads: pool.current_num_threads(), ..Stats::default() };
+    stats.seconds.load = load_seconds;
+    let picture = match args.method {
+        Method::Path => {
+            let shading = Instant::now();
+            let integrator = PathTracer { settings: world.scene.integrator, indirect_only: args.indirect_only };
+            let picture = pool.install(|| {
+                with_progress(|progress| render(&world, &integrator, budget, args.seed, progress))
+            });
+            stats.seconds.shade = shading.elapsed().as_secs_f64();
+            picture
+        }
+        _ => cached(args, &world, budget, &pool, &mut stats)?,
+    };
+    let writing = Instant::now();
     write_picture(&args.output, &picture)?;
-    let shade = shading.elapsed().as_secs_f64();
+    stats.seconds.shade += writing.elapsed().as_secs_f64();
+    (stats.rays, stats.spp) = (picture.rays, picture.spp);
+    stats.seconds.total = start.elapsed().as_secs_f64();
     if let Some(path) = &args.stats {
-        let stats = Stats {
-            method: "path",
-            seconds: Seconds { load: load_seconds, fit: 0.0, fill: 0.0, shade, total: start.elapsed().as_secs_f64() },
-            rays: picture.rays,
-            records: 0,
-            eas_mean: 0.0,
-            bytes_per_record: 0.0,
-            cache_bytes: 0,
-            spp: picture.spp,
-            threads: pool.current_num_threads(),
-        };
         std::fs::write(path, serde_json::to_string_pretty(&stats)? + "\n")
             .with_context(|| path.display().to_string())?;
     }
@@ -198,18 +285,18 @@ fn change_view(camera: &mut Camera, args: &Args) {
 }
 
 /// Renders with a bar and the time left on standard error, where that is a terminal.
-fn with_progress(world: &World, integrator: &PathTracer, budget: Budget, seed: u64) -> Picture {
+fn with_progress<T>(render: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
     const STEPS: u64 = 1000;
     let bar = ProgressBar::new(STEPS);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} passed, {eta} left") {
         bar.set_style(style);
     }
-    let picture = render(world, integrator, budget, seed, &|share| {
+    let out = render(&|share| {
         let position = (share * STEPS as f64) as u64;
         if position > bar.position() {
             bar.set_position(position);
         }
     });
     bar.finish_and_clear();
-    picture
+    out
 }

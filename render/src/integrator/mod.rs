@@ -1,5 +1,6 @@
 //! Estimators of the radiance along a ray.
 
+pub mod cached;
 mod path;
 mod simple;
 

@@ -1,0 +1,88 @@
+//! How far a record reaches: every rule about validity is here.
+
+use super::Cache;
+use crate::record::Record;
+use glam::Vec3A;
+
+/// Radius of a record from the distance of what it sees, kept between bounds in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RadiusPolicy {
+    /// Radius over distance.
+    pub scale: f32,
+    /// Smallest radius, in pixels at the record.
+    pub min_pixels: f32,
+    /// Largest radius, in pixels at the record.
+    pub max_pixels: f32,
+}
+
+impl RadiusPolicy {
+    /// The radius for a distance (minimum or mean, infinite where nothing was met) and the width of a pixel there.
+    pub fn radius(&self, distance: f32, footprint: f32) -> f32 {
+        let (low, high) = (self.min_pixels * footprint, self.max_pixels * footprint);
+        (self.scale * distance).clamp(low, high.max(low)).max(f32::MIN_POSITIVE)
+    }
+}
+
+/// Neighbour clamping (Křivánek et al. 2006): a record that sees something near tells its neighbours, which cannot be
+/// farther from it than their distance more. Shrinks the neighbours in the cache, returns the radius of the new record,
+/// never less than `smallest`.
+pub fn clamp_to_neighbours<R: Record>(cache: &mut Cache<R>, position: Vec3A, radius: f32, smallest: f32) -> f32 {
+    let mut neighbours = Vec::new();
+    cache.octree.visit(position, |i| neighbours.push(i as usize));
+    let mut clamped = radius;
+    for &i in &neighbours {
+        let other = &cache.records[i];
+        let distance = other.position().distance(position);
+        if distance < other.radius() {
+            clamped = clamped.min(other.radius() + distance);
+        }
+    }
+    let clamped = clamped.max(smallest.min(radius));
+    for i in neighbours {
+        let other = &mut cache.records[i];
+        let distance = other.position().distance(position);
+        if distance < other.radius() && other.radius() > clamped + distance {
+            other.set_radius(clamped + distance);
+        }
+    }
+    clamped
+}
+
+/// Weight of a record at a point, by distance and normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    /// Ward et al. 1988: 1/(d/r + √(1 − n·n′)), cut off at 1.
+    Ward,
+    /// (1 − d/r)(1 − √(1 − n·n′)/s): falls to zero where the zone ends, so that no record appears at a step. s is the value
+    /// of the root at 25 degrees.
+    Smooth,
+}
+
+/// √(1 − cos 25°).
+const NORMAL_SPREAD: f32 = 0.306;
+
+impl Weight {
+    /// The weight, 0 where the record does not count: out of its zone, or behind it.
+    #[inline]
+    pub fn of<R: Record>(self, record: &R, position: Vec3A, normal: Vec3A) -> f32 {
+        let offset = position - record.position();
+        let radius = record.radius();
+        let distance2 = offset.length_squared();
+        if distance2 >= radius * radius {
+            return 0.0;
+        }
+        // A point behind the record is lit by other things (Ward's test in front, with room for curvature).
+        if offset.dot(normal + record.normal()) < -0.1 * radius {
+            return 0.0;
+        }
+        let near = distance2.sqrt() / radius;
+        let turned = (1.0 - normal.dot(record.normal())).max(0.0).sqrt();
+        match self {
+            Self::Ward => {
+                let error = near + turned;
+                if error < 1.0 { 1.0 / error.max(1e-4) } else { 0.0 }
+            }
+            Self::Smooth => (1.0 - near) * (1.0 - turned * (1.0 / NORMAL_SPREAD)).max(0.0),
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Filling the caches of a picture (eas-2015, Algorithm 1, first stage).
+
+use super::incident::IncidentTracer;
+use super::points::{Point, pixel_point};
+use super::policy::{Policy, Treatment};
+use super::settings::Quality;
+use crate::cache::{Cache, Grid, RadiusPolicy, clamp_to_neighbours, fill};
+use crate::camera::RayGenerator;
+use crate::frame::Frame;
+use crate::gather::{GatherSample, Incident, gather_cells, gather_uniform};
+use crate::record::eas::{EasRecord, Estimator};
+use crate::record::irradiance::{IrradianceRecord, Strata};
+use crate::record::{Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
+use crate::sampler::Sampler;
+use crate::scene::Rgb;
+use crate::world::World;
+use glam::Vec3A;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// The caches of a picture.
+#[derive(Clone, Debug)]
+pub struct Caches {
+    /// Coarse irradiance on all surfaces seen, which ends the paths of the gather.
+    pub coarse: Cache<IrradianceRecord>,
+    /// Irradiance on diffuse surfaces.
+    pub irradiance: Cache<IrradianceRecord>,
+    /// Sources on glossy surfaces.
+    pub eas: Cache<EasRecord>,
+    /// Rays traced.
+    pub rays: u64,
+}
+
+/// Weight that counts as covered: less, and the zones would not overlap.
+const COVERED: f32 = 0.2;
+
+/// What making records needs.
+pub struct Builder<'a> {
+    world: &'a World,
+    policy: &'a Policy,
+    quality: Quality,
+    seed: u64,
+    /// What the middle of every pixel shows.
+    points: Vec<Option<Point>>,
+    grid: Grid,
+    rays: AtomicU64,
+}
+
+impl<'a> Builder<'a> {
+    /// Looks through the camera.
+    pub fn new(world: &'a World, policy: &'a Policy, quality: Quality, seed: u64) -> Self {
+        let generator = RayGenerator::new(&world.scene.camera);
+        let window = world.scene.camera.film.window();
+        let max = world.scene.integrator.max_depth.min(MAX_CHAIN);
+        let pixel = |i: u32| (window.x + i % window.width, window.y + i / window.width);
+        let points = (0..window.width * window.height)
+            .into_par_iter()
+            .map(|i| pixel_point(world, &generator, pixel(i), seed, max))
+            .collect();
+        let grid = Grid { width: window.width, height: window.height };
+        Self { world, policy, quality, seed, points, grid, rays: AtomicU64::new(0) }
+    }
+
+    /// Fills all caches until the deadline; `progress` is told the share of the work done.
+    pub fn build(&self, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
+        let (min, max) = self.world.bounds();
+        let depth = self.world.scene.integrator.max_depth;
+        let mut caches = Caches {
+            coarse: Cache::new(min, max),
+            irradiance: Cache::new(min, max),
+            eas: Cache::new(min, max),
+            rays: 0,
+        };
+        if depth > 3 {
+            let full = self.tracer(None, depth - 2);
+            let quality = (self.quality.coarse_rays, self.quality.coarse);
+            let any = |p: &Point| self.treatment(p) != Treatment::Traced;
+            self.fill_irradiance(&mut caches.coarse, &full, quality, 1, any, deadline, &|x| progress(0.1 * x));
+        }
+        if depth > 2 {
+            let short = self.tracer(Some(&caches.coarse), depth - 1);
+            let quality = (self.quality.irradiance_rays, self.quality.irradiance);
+            let diffuse = |p: &Point| self.treatment(p) == Treatment::Irradiance;
+            let progress_here = |x: f64| progress(0.1 + 0.3 * x);
+            self.fill_irradiance(&mut caches.irradiance, &short, quality, 2, diffuse, deadline, &progress_here);
+            self.fill_eas(&mut caches.eas, &short, deadline, &|x| progress(0.4 + 0.6 * x));
+        }
+        caches.rays = self.rays.load(Ordering::Relaxed);
+        caches
+    }
+
+    fn tracer<'c>(&self, irradiance: Option<&'c Cache<IrradianceRecord>>, max_segments: u32) -> IncidentTracer<'c>
+    where
+        'a: 'c,
+    {
+        let rr_depth = self.world.scene.integrator.rr_depth;
+        IncidentTracer { world: self.world, irradiance, max_segments, rr_depth }
+    }
+
+    fn treatment(&self, point: &Point) -> Treatment {
+        self.policy.treatment(point.material.0)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn fill_irradiance(
+        &self,
+        cache: &mut Cache<IrradianceRecord>,
+        tracer: &IncidentTracer,
+        (rays, radius): (u32, RadiusPolicy),
+        salt: u64,
+        wanted: impl Fn(&Point) -> bool + Sync,
+        deadline: Option<Instant>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let weight = crate::cache::Weight::Smooth;
+        let covered = |cache: &Cache<IrradianceRecord>, i: usize| {
+            self.points[i].as_ref().is_none_or(|p| {
+                let normal = p.hemisphere_normal();
+                !wanted(p) || best_weight(cache, p.at.p, normal, weight) > COVERED
+            })
+        };
+        let make = |_: &Cache<IrradianceRecord>, i: usize| {
+            let point = self.points[i].as_ref()?;
+            let frame = Frame::from_normal(point.hemisphere_normal());
+            let mut gather = Gather::new(tracer, point, self.seed, salt, i as u32);
+            let found = gather.irradiance(&frame, Strata::about(rays));
+            self.rays.fetch_add(gather.rays, Ordering::Relaxed);
+            let mut record = found.record;
+            // Where light changes fast, records are dense: but noise must not pass for change.
+            let reach = found.harmonic_mean.min(2.0 * record.gradient_limit().max(0.25 * found.harmonic_mean));
+            record.set_radius(radius.radius(reach, point.footprint));
+            record.limit_gradient(found.harmonic_mean);
+            Some((record, radius.min_pixels * point.footprint))
+        };
+        fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
+    }
+
+    fn fill_eas(
+        &self,
+        cache: &mut Cache<EasRecord>,
+        tracer: &IncidentTracer,
+        deadline: Option<Instant>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let quality = &self.quality;
+        let covered = |cache: &Cache<EasRecord>, i: usize| {
+            self.points[i].as_ref().is_none_or(|p| {
+                let Treatment::Eas { .. } = self.treatment(p) else { return true };
+                let mut best = 0f32;
+                cache.interpolate(p.at.p, p.hemisphere_normal(), quality.weight, |r, w| {
+                    if r.material == p.material.0 {
+                        best = best.max(w);
+                    }
+                });
+                // Ward's weight is 1 where the zone ends.
+                best > if quality.weight == crate::cache::Weight::Ward { 0.0 } else { COVERED }
+            })
+        };
+        let make = |_: &Cache<EasRecord>, i: usize| {
+            let point = self.points[i].as_ref()?;
+            let (record, _, rays) = self.eas_record(tracer, point, i)?;
+            self.rays.fetch_add(rays, Ordering::Relaxed);
+            Some((record, quality.eas.min_pixels * point.footprint))
+        };
+        fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
+    }
+
+    /// The record of what pixel `i` shows, its tree's samples, and the rays they took.
+    fn eas_record(&self, tracer: &IncidentTracer, point: &Point, i: usize) -> Option<(EasRecord, Vec<GatherSample>, u64)> {
+        let Treatment::Eas { lobe, .. } = self.treatment(point) else { return None };
+        let lobe = &self.policy.lobes[lobe];
+        let quality = &self.quality;
+        let frame = record_frame(point);
+        let parts = self.world.bsdf(&point.at).parts()?;
+        let reflector = Reflector { table: &lobe.table, diffuse: parts.diffuse, specular: parts.specular };
+        let mut gather = Gather::new(tracer, point, self.seed, 3, i as u32);
+        let (mut samples, tree, directions) = match quality.estimator {
+            Estimator::Paper => {
+                let mut samples = gather.uniform(&frame, quality.paper_rays);
+                let tree = Tree::new(&mut samples, 1, Centroid::Position);
+                (samples, tree, hemisphere_directions(quality.directions))
+            }
+            Estimator::Improved => {
+                let views = self.views(point, i);
+                let guide = Guide::new(&frame, &views, lobe.width, quality.fineness);
+                let cells = guide.cells(quality.max_cells);
+                let smallest = cells.iter().map(crate::record::Cell::solid_angle).fold(f32::INFINITY, f32::min);
+                let per_cell = |c: &crate::record::Cell| {
+                    let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
+                    (quality.rays_per_cell as f32 * larger).round() as u32
+                };
+                let cells: Vec<_> = cells.into_iter().map(|c| (c, per_cell(&c))).collect();
+                let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
+                let mut samples = gather.cells(&frame, &cells);
+                let tree = Tree::new(&mut samples, most as usize, Centroid::Direction);
+                let local = |v: &View| frame.to_local(v.wo);
+                (samples, tree, views.iter().map(local).filter(|d| d.z > 0.02).collect())
+            }
+        };
+        let cut = cut(&tree, &reflector, &directions, &quality.cut);
+        let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
+        let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
+        record.set_radius(quality.eas.radius(1.0 / nearest, point.footprint));
+        samples.shrink_to_fit();
+        Some((record, samples, gather.rays))
+    }
+
+    /// Views of the same surface around pixel `i`: those that will read the record.
+    fn views(&self, point: &Point, i: usize) -> Vec<View> {
+        let reach = self.quality.eas.max_pixels.ceil() as i32;
+        let (x, y) = ((i as u32 % self.grid.width) as i32, (i as u32 / self.grid.width) as i32);
+        let steps = [-reach, -reach / 2, 0, reach / 2, reach];
+        let mut views = vec![point.view()];
+        for dy in steps {
+            for dx in steps {
+                let (px, py) = (x + dx, y + dy);
+                let inside = px >= 0 && py >= 0 && px < self.grid.width as i32 && py < self.grid.height as i32;
+                if !inside || (dx, dy) == (0, 0) {
+                    continue;
+                }
+                let Some(other) = &self.points[py as usize * self.grid.width as usize + px as usize] else { continue };
+                let near = other.at.p.distance(point.at.p) <= 1.5 * reach as f32 * point.footprint;
+                if near && other.material == point.material {
+                    views.push(other.view());
+                }
+            }
+        }
+        views
+    }
+}
+
+/// Adds a record whose radius its neighbours may bound.
+fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {
+    let radius = clamp_to_neighbours(cache, record.position(), record.radius(), smallest);
+    record.set_radius(radius);
+    cache.insert(record);
+}
+
+/// Frame of the hemisphere of a record: that of the surface, but for a normal that a texture bent.
+fn record_frame(point: &Point) -> Frame {
+    let normal = point.hemisphere_normal();
+    if normal.dot(point.frame.normal()) > 0.9999 { point.frame } else { Frame::from_normal(normal) }
+}
+
+/// Largest weight of a record at a point.
+fn best_weight<R: Record>(cache: &Cache<R>, position: Vec3A, normal: Vec3A, weight: crate::cache::Weight) -> f32 {
+    let mut best = 0f32;
+    cache.interpolate(position, normal, weight, |_, w| best = best.max(w));
+    best
+}
+
+/// Mirrors in a row that are looked through for records.
+const MAX_CHAIN: u32 = 16;
+
+/// Gathers at one point: every sample has its own sample points, all are well distributed together.
+struct Gather<'a> {
+    tracer: &'a IncidentTracer<'a>,
+    point: &'a Point,
+    seed: u64,
+    key: (u32, u32),
+    rays: u64,
+}
+
+impl<'a> Gather<'a> {
+    fn new(tracer: &'a IncidentTracer<'a>, point: &'a Point, seed: u64, salt: u64, pixel: u32) -> Self {
+        let seed = seed.wrapping_add(salt.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        Self { tracer, point, seed, key: (pixel, salt as u32), rays: 0 }
+    }
+
+    /// The two closures of a gather: the place of a sample in its stratum, and the light it meets.
+    fn run<T>(
+        &mut self,
+        with: impl FnOnce(&mut dyn FnMut(u32) -> glam::Vec2, &mut dyn FnMut(Vec3A, u32) -> Incident) -> T,
+    ) -> T {
+        let (seed, key, tracer, at) = (self.seed, self.key, self.tracer, &self.point.at);
+        let facing = at.normal * 1f32.copysign(at.normal.dot(at.wo));
+        let mut rays = 0;
+        let out = with(&mut |number| Sampler::new(seed, key, number).next_2d(), &mut |direction, number| {
+            // Below the surface of a smoothed mesh there is nothing to see.
+            if direction.dot(facing) <= 0.0 {
+                return Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
+            }
+            let mut sampler = Sampler::new(seed, key, number);
+            sampler.skip_2d();
+            tracer.incident(at.spawn(direction), &mut sampler, &mut rays)
+        });
+        self.rays += u64::from(rays);
+        out
+    }
+
+    fn irradiance(&mut self, frame: &Frame, strata: Strata) -> crate::record::irradiance::Gathered {
+        let position = self.point.at.p;
+        self.run(|point, incident| IrradianceRecord::gather(position, frame, strata, point, incident))
+    }
+
+    fn uniform(&mut self, frame: &Frame, count: u32) -> Vec<GatherSample> {
+        self.run(|point, incident| gather_uniform(frame, count, point, incident))
+    }
+
+    fn cells(&mut self, frame: &Frame, cells: &[(crate::record::Cell, u32)]) -> Vec<GatherSample> {
+        self.run(|point, incident| gather_cells(frame, cells, point, incident))
+    }
+}

@@ -1,0 +1,84 @@
+//! Light that is scattered once, by light sampling and BSDF sampling combined; both the pixels and the paths of the gather
+//! use it.
+
+use crate::bsdf::{Bsdf, Split};
+use crate::light::{Receiver, Target};
+use crate::sampler::Sampler;
+use crate::scene::Rgb;
+use crate::world::{Interaction, World};
+use glam::Vec3A;
+
+/// Weight of a sample of density `a` when density `b` could have found it too (Veach 1997).
+#[inline]
+pub fn power_heuristic(a: f32, b: f32) -> f32 {
+    let (a2, b2) = (a * a, b * b);
+    if a2.is_infinite() { 1.0 } else { a2 / (a2 + b2) }
+}
+
+/// The surface a path left, for the weight of an emitter that it meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Left {
+    /// The surface.
+    pub receiver: Receiver,
+    /// Density of the direction in sr⁻¹; `None` for a perfectly specular one, which light sampling cannot find.
+    pub pdf: Option<f32>,
+}
+
+/// The surface as the lights see it.
+pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
+    Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() }
+}
+
+/// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`.
+#[inline]
+pub fn sample_light(world: &World, at: &Interaction, bsdf: &Bsdf, choice: f32, sampler: &mut Sampler, rays: &mut u32) -> Split {
+    let u = sampler.next_2d();
+    if bsdf.is_delta() {
+        return Split::ZERO;
+    }
+    let Some(light) = world.lights.sample(&world.scene.textures, &receiver(at, bsdf), choice, u) else {
+        return Split::ZERO;
+    };
+    let value = bsdf.eval(light.wi);
+    let mis = if light.delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
+    let reflected = value.f * (light.radiance * (bsdf.abs_cos(light.wi) * mis / light.pdf));
+    if reflected.sum().max_element() <= 0.0 {
+        return Split::ZERO;
+    }
+    let shadow = match light.target {
+        Target::Point(p) => at.spawn_to(p),
+        Target::Direction(d) => at.spawn(d),
+    };
+    *rays += 1;
+    if world.occluded(&shadow) { Split::ZERO } else { reflected }
+}
+
+/// Emission of a surface that a path meets, weighted.
+#[inline]
+pub fn emission(world: &World, at: &Interaction, left: Option<&Left>) -> Rgb {
+    let Some(emitter) = at.emitter else { return Rgb::ZERO };
+    let cos = at.normal.dot(at.wo);
+    if cos <= 0.0 {
+        return Rgb::ZERO;
+    }
+    let light = world.lights.emitted(&world.scene.textures, emitter, at.uv);
+    match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
+        Some((left, pdf)) => {
+            let distance = (at.p - left.receiver.p).length();
+            light * power_heuristic(pdf, world.lights.pdf(&left.receiver, emitter, distance, cos))
+        }
+        None => light,
+    }
+}
+
+/// Light from infinity along a direction that meets nothing, weighted.
+#[inline]
+pub fn environment(world: &World, direction: Vec3A, left: Option<&Left>) -> Rgb {
+    let light = world.lights.environment(direction);
+    match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
+        Some((left, pdf)) if light != Rgb::ZERO => {
+            light * power_heuristic(pdf, world.lights.environment_pdf(&left.receiver, direction))
+        }
+        _ => light,
+    }
+}

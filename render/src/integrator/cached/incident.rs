@@ -1,0 +1,110 @@
+//! Radiance that arrives at a record: a path whose Lambertian surfaces are answered by the irradiance cache.
+
+use super::direct::{Left, emission, environment, receiver, sample_light};
+use crate::cache::{Cache, Weight};
+use crate::gather::Incident;
+use crate::ray::Ray;
+use crate::record::eas::mean_radiance;
+use crate::record::irradiance::IrradianceRecord;
+use crate::sampler::Sampler;
+use crate::scene::Rgb;
+use crate::world::World;
+use glam::Vec3A;
+
+/// Follows paths from records.
+#[derive(Clone, Copy)]
+pub struct IncidentTracer<'a> {
+    /// The scene.
+    pub world: &'a World,
+    /// Irradiance that ends paths, if there is any yet. It must hold light of paths two segments shorter than the whole.
+    pub irradiance: Option<&'a Cache<IrradianceRecord>>,
+    /// Segments left, the first ray of the path included.
+    pub max_segments: u32,
+    /// Segments after which Russian roulette may end a path.
+    pub rr_depth: u32,
+}
+
+impl IncidentTracer<'_> {
+    /// Light along a ray that is reflected at least once where the ray ends; what emitters and the environment send along
+    /// the ray itself belongs to direct light. Adds the rays traced to `rays`.
+    #[inline]
+    pub fn incident(&self, ray: Ray, sampler: &mut Sampler, rays: &mut u32) -> Incident {
+        let world = self.world;
+        let mut found = Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
+        let (mut ray, mut throughput, mut eta) = (ray, Rgb::ONE, 1.0);
+        let mut left: Option<Left> = None;
+        // Length of the path while nothing but mirrors turned it: what a mirror shows lies behind it.
+        let mut straight = Some(0.0);
+        for segment in 1..=self.max_segments {
+            let hit = world.intersect(&ray);
+            *rays += 1;
+            if !hit.exists() {
+                if straight.is_some() {
+                    found.distance = f32::INFINITY;
+                }
+                if segment > 1 {
+                    found.radiance += throughput * environment(world, ray.direction, left.as_ref());
+                }
+                break;
+            }
+            let at = world.interaction(&ray, &hit);
+            if let Some(length) = &mut straight {
+                *length += hit.t;
+                found.distance = *length;
+            }
+            if segment == 1 {
+                found.normal = at.normal * 1f32.copysign(at.normal.dot(at.wo));
+            } else {
+                found.radiance += throughput * emission(world, &at, left.as_ref());
+            }
+            if segment == self.max_segments {
+                break;
+            }
+            let bsdf = world.bsdf(&at);
+            let choice = sampler.next_2d();
+            found.radiance += throughput * sample_light(world, &at, &bsdf, choice.x, sampler, rays).sum();
+            // The Lambertian part is in the cache; only the rest needs another ray.
+            let cached = bsdf.parts().and_then(|parts| {
+                let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal())?;
+                Some((parts, irradiance))
+            });
+            if let Some((parts, irradiance)) = cached {
+                found.radiance += throughput * parts.diffuse * mean_radiance(irradiance);
+                if parts.specular == Rgb::ZERO {
+                    break;
+                }
+            }
+            let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
+            throughput *= if cached.is_some() { sample.weight.glossy } else { sample.weight.sum() };
+            eta *= sample.eta;
+            if !sample.is_delta() {
+                straight = None;
+            }
+            left = Some(Left { receiver: receiver(&at, &bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) });
+            let mut survival = throughput.max_element();
+            if segment + 1 >= self.rr_depth {
+                survival = (survival * eta * eta).min(0.95);
+                if sampler.next_1d() >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+            if survival <= 0.0 {
+                break;
+            }
+            ray = at.spawn(sample.wi);
+        }
+        found
+    }
+}
+
+/// Weighted mean of the records at a point; `None` where none reaches.
+#[inline]
+pub fn interpolated(cache: &Cache<IrradianceRecord>, position: Vec3A, normal: Vec3A) -> Option<Rgb> {
+    let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
+    cache.interpolate(position, normal, Weight::Smooth, |record, w| {
+        sum += record.at(position, normal) * w;
+        weights += w;
+    });
+    (weights > 1e-3).then(|| sum / weights)
+}

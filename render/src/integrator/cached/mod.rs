@@ -1,0 +1,213 @@
+//! Rendering with caches: direct light per pixel, indirect light from records.
+
+mod build;
+mod direct;
+mod incident;
+mod points;
+pub mod policy;
+mod settings;
+mod shade;
+
+use crate::camera::RayGenerator;
+use crate::film::{Budget, Picture, Pixel};
+use crate::record::Scratch;
+use crate::record::eas::Estimator;
+use crate::sampler::Sampler;
+use crate::world::World;
+pub use build::{Builder, Caches};
+pub use incident::IncidentTracer;
+pub use points::{PixelCone, Point};
+use policy::Policy;
+use rayon::prelude::*;
+pub use settings::{Quality, TOLERANCE};
+use shade::{Shader, Surface};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// What to render with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// τ; `None`: [`TOLERANCE`], or what the time allows.
+    pub tolerance: Option<f32>,
+    /// How sources are moved and summed.
+    pub estimator: Estimator,
+    /// Samples per pixel, or seconds.
+    pub budget: Budget,
+    /// Seed of all sample points.
+    pub seed: u64,
+    /// Whether light that is scattered less than twice is left out.
+    pub indirect_only: bool,
+}
+
+/// What a cached rendering did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// Time to fill the caches.
+    pub fill: Duration,
+    /// Time from there to the picture.
+    pub shade: Duration,
+    /// EAS records.
+    pub eas_records: usize,
+    /// Irradiance records, coarse ones included.
+    pub irradiance_records: usize,
+    /// Sources of all EAS records.
+    pub sources: usize,
+    /// Bytes of the EAS records.
+    pub eas_bytes: usize,
+    /// Bytes of all records.
+    pub bytes: usize,
+    /// τ in force.
+    pub tolerance: f32,
+}
+
+/// Share of a time budget that filling may use.
+const FILL_SHARE: f64 = 0.55;
+
+/// τ of the trial from whose time that of the rest is guessed, and the range of τ.
+const TRIAL_TOLERANCE: f32 = 0.2;
+const TOLERANCES: (f32, f32) = (0.002, 0.2);
+
+/// Samples per pixel of one pass.
+const PASS: u32 = 8;
+
+/// Fills caches for the camera of a world and renders with them. `progress` is told the share of the work done.
+pub fn render_cached(
+    world: &World,
+    policy: &Policy,
+    settings: &Settings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> (Picture, Figures, Caches) {
+    let start = Instant::now();
+    let build = |tolerance: f32, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)| {
+        let quality = Quality::new(tolerance, settings.estimator);
+        (quality, Builder::new(world, policy, quality, settings.seed).build(deadline, progress))
+    };
+    let time = match settings.budget {
+        Budget::Time(limit) => Some(limit),
+        _ => None,
+    };
+    let deadline = time.map(|limit| start + limit.mul_f64(FILL_SHARE));
+    let tolerance = match (settings.tolerance, deadline) {
+        (Some(tolerance), _) => tolerance,
+        (None, None) => TOLERANCE,
+        (None, Some(end)) => {
+            // The cost is about inverse to τ: a cheap trial tells the factor.
+            let trial = Instant::now();
+            build(TRIAL_TOLERANCE, Some(end), &|_| ());
+            let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
+            let ratio = trial.elapsed().as_secs_f64() / left.max(1e-3);
+            ((f64::from(TRIAL_TOLERANCE) * ratio) as f32).clamp(TOLERANCES.0, TOLERANCES.1)
+        }
+    };
+    let (quality, caches) = build(tolerance, deadline, &|x| progress(FILL_SHARE * x));
+    let filled = Instant::now();
+    let picture = shade(world, policy, &caches, quality, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
+    let figures = Figures {
+        fill: filled - start,
+        shade: filled.elapsed(),
+        eas_records: caches.eas.records().len(),
+        irradiance_records: caches.irradiance.records().len() + caches.coarse.records().len(),
+        sources: caches.eas.records().iter().map(|r| r.sources.len()).sum(),
+        eas_bytes: caches.eas.bytes(),
+        bytes: caches.eas.bytes() + caches.irradiance.bytes() + caches.coarse.bytes(),
+        tolerance,
+    };
+    (picture, figures, caches)
+}
+
+/// The final pass: reads the caches only.
+fn shade(
+    world: &World,
+    policy: &Policy,
+    caches: &Caches,
+    quality: Quality,
+    settings: &Settings,
+    start: Instant,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Picture {
+    let camera = RayGenerator::new(&world.scene.camera);
+    let window = world.scene.camera.film.window();
+    let cone = PixelCone::new(world);
+    let shader = Shader { world, policy, caches, quality, indirect_only: settings.indirect_only, cone };
+    let count = window.width as usize * window.height as usize;
+    let mut pixels = vec![Pixel::default(); count];
+    let mut surfaces: Vec<Vec<Surface>> = vec![Vec::new(); count];
+    let (mut spp, mut rays) = (0, caches.rays);
+    let width = window.width as usize;
+    let shading = Instant::now();
+    // Direct light in passes, until the samples or the time left for them are used up.
+    loop {
+        let pass = match settings.budget {
+            Budget::Samples(n) => PASS.min(n.saturating_sub(spp)),
+            Budget::Time(limit) => time_for(limit, start, shading, spp),
+            Budget::Error(_) => 0,
+        };
+        if pass == 0 {
+            break;
+        }
+        let traced: u64 = pixels
+            .par_chunks_mut(width)
+            .zip(surfaces.par_chunks_mut(width))
+            .enumerate()
+            .map(|(y, (row, surfaces))| {
+                let mut rays = 0;
+                for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                    let at = (window.x + x as u32, window.y + y as u32);
+                    for index in spp..spp + pass {
+                        let mut sampler = Sampler::new(settings.seed, at, index);
+                        let ray = camera.ray(at.0, at.1, sampler.next_2d());
+                        let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
+                        rays += u64::from(core::mem::take(&mut sample.rays));
+                        if sample.distance > 0.0 {
+                            sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
+                            pixel.surfaces += 1;
+                        }
+                        pixel.sum += sample;
+                    }
+                }
+                rays
+            })
+            .sum();
+        rays += traced;
+        spp += pass;
+        if let Budget::Samples(n) = settings.budget {
+            progress(0.7 * f64::from(spp) / f64::from(n));
+        }
+    }
+    // Indirect light once per surface in a pixel.
+    let rows = AtomicU64::new(0);
+    let traced: u64 = pixels
+        .par_chunks_mut(width)
+        .zip(surfaces.par_chunks(width))
+        .enumerate()
+        .map_init(Scratch::default, |scratch, (y, (row, surfaces))| {
+            let mut rays = 0;
+            for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                let at = (window.x + x as u32, window.y + y as u32);
+                let mut sampler = Sampler::new(settings.seed.wrapping_add(1), at, 0);
+                let indirect = shader.indirect(surfaces, &mut sampler, scratch, &mut rays);
+                if indirect.sum().is_finite() {
+                    pixel.sum.indirect = pixel.sum.indirect + indirect;
+                }
+            }
+            let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(0.7 + 0.3 * done as f64 / f64::from(window.height));
+            u64::from(rays)
+        })
+        .sum();
+    Picture { width: window.width, height: window.height, pixels, spp, rays: rays + traced }
+}
+
+/// Samples of the next pass that fit into the time, with as much set aside for indirect light as direct light of a pass of
+/// a few samples takes.
+fn time_for(limit: Duration, start: Instant, shading: Instant, spp: u32) -> u32 {
+    if spp == 0 {
+        return 2;
+    }
+    let per_sample = shading.elapsed().as_secs_f64() / f64::from(spp);
+    let left = limit.as_secs_f64() - start.elapsed().as_secs_f64() - INDIRECT_SAMPLES * per_sample;
+    ((left / per_sample).max(0.0) as u32).min(PASS)
+}
+
+/// Indirect light of a pixel costs about as much as this many samples of direct light.
+const INDIRECT_SAMPLES: f64 = 4.0;

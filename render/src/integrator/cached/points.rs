@@ -1,0 +1,118 @@
+//! The surfaces that pixels show: where records are made and read.
+
+use crate::bsdf::Bsdf;
+use crate::camera::RayGenerator;
+use crate::frame::Frame;
+use crate::ray::Ray;
+use crate::record::View;
+use crate::sampler::Sampler;
+use crate::scene::{MaterialId, Rgb};
+use crate::world::{Interaction, World};
+use glam::{Vec2, Vec3A};
+
+/// A surface seen directly or through perfectly specular ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// The surface.
+    pub at: Interaction,
+    /// Local frame, bent where a texture bends it.
+    pub frame: Frame,
+    /// Material behind all wrappers.
+    pub material: MaterialId,
+    /// Width of a pixel there, in the unit of the scene: it grows with the length of the path, through mirrors too.
+    pub footprint: f32,
+    /// Segments from the eye.
+    pub segments: u32,
+    /// Colour of the mirrors on the way.
+    pub throughput: Rgb,
+}
+
+impl Point {
+    /// Normal on the side of the eye, not bent by textures: the hemisphere of a record, which serves any bent normal.
+    pub fn hemisphere_normal(&self) -> Vec3A {
+        self.at.shading_normal * 1f32.copysign(self.at.shading_normal.dot(self.frame.normal()))
+    }
+
+    /// How the eye sees it.
+    pub fn view(&self) -> View {
+        View { normal: self.frame.normal(), wo: self.at.wo }
+    }
+}
+
+/// The surface that ends the specular chain of a camera ray; `scatter` is its BSDF.
+pub enum Seen<'a> {
+    /// Nothing; the direction in which light from infinity is seen, if it counts.
+    Nothing { direction: Vec3A, throughput: Rgb, segments: u32 },
+    /// A surface that is not perfectly specular.
+    Surface { point: Point, bsdf: Bsdf<'a> },
+    /// The path ended on the way.
+    Ended,
+}
+
+/// Follows a camera ray through perfectly specular surfaces. `emitted` is called with every surface on the way that shines,
+/// the last included, with the throughput and the number of segments.
+#[inline]
+pub fn see<'a>(
+    world: &'a World,
+    camera: &PixelCone,
+    ray: Ray,
+    sampler: &mut Sampler,
+    max_segments: u32,
+    rays: &mut u32,
+    mut emitted: impl FnMut(&Interaction, Rgb, u32),
+) -> Seen<'a> {
+    let (mut ray, mut throughput, mut length) = (ray, Rgb::ONE, 0.0);
+    for segments in 1..=max_segments {
+        let hit = world.intersect(&ray);
+        *rays += 1;
+        if !hit.exists() {
+            return Seen::Nothing { direction: ray.direction, throughput, segments };
+        }
+        let at = world.interaction(&ray, &hit);
+        length += hit.t;
+        emitted(&at, throughput, segments);
+        let bsdf = world.bsdf(&at);
+        if !bsdf.is_delta() {
+            let footprint = camera.width_at(length);
+            let (frame, material) = (*bsdf.frame(), bsdf.material());
+            return Seen::Surface { point: Point { at, frame, material, footprint, segments, throughput }, bsdf };
+        }
+        let choice = sampler.next_2d();
+        let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { return Seen::Ended };
+        throughput *= sample.weight.sum();
+        if throughput.max_element() <= 0.0 {
+            return Seen::Ended;
+        }
+        ray = at.spawn(sample.wi);
+    }
+    Seen::Ended
+}
+
+/// Opening angle of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelCone {
+    tangent: f32,
+}
+
+impl PixelCone {
+    /// Of the camera of a world.
+    pub fn new(world: &World) -> Self {
+        let camera = &world.scene.camera;
+        Self { tangent: 2.0 * (0.5 * camera.fov_x).tan() / camera.film.width.max(1) as f32 }
+    }
+
+    /// Width of a pixel at the end of a path of this length.
+    pub fn width_at(&self, length: f32) -> f32 {
+        self.tangent * length
+    }
+}
+
+/// What the middle of a pixel shows; choices on the way (reflection or refraction) are the sampler's first ones.
+pub fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), seed: u64, max: u32) -> Option<Point> {
+    let mut sampler = Sampler::new(seed, pixel, 0);
+    let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
+    match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut 0, |_, _, _| ()) {
+        Seen::Surface { point, .. } => Some(point),
+        _ => None,
+    }
+}

@@ -1,0 +1,237 @@
+//! From caches to pixels (eas-2015, Algorithm 1, second stage, eq. 17): direct light by many rays per pixel, indirect light
+//! once per surface that the pixel shows.
+
+use super::build::Caches;
+use super::direct::{Left, emission, environment, receiver, sample_light};
+use super::incident::{IncidentTracer, interpolated};
+use super::points::{PixelCone, Point, Seen, see};
+use super::policy::{Policy, Treatment};
+use super::settings::Quality;
+use crate::bsdf::{Bsdf, Split};
+use crate::integrator::Radiance;
+use crate::ray::Ray;
+use crate::record::eas::mean_radiance;
+use crate::record::{Receiver, Reflected, Reflector, Scratch, reflect};
+use crate::sampler::Sampler;
+use crate::scene::Rgb;
+use crate::world::World;
+
+/// Shades with filled caches, which it only reads.
+pub struct Shader<'a> {
+    /// The scene.
+    pub world: &'a World,
+    /// Treatment of the materials.
+    pub policy: &'a Policy,
+    /// Records.
+    pub caches: &'a Caches,
+    /// Estimator and weights.
+    pub quality: Quality,
+    /// Whether light that is scattered less than twice is left out.
+    pub indirect_only: bool,
+    /// Opening angle of a pixel.
+    pub cone: PixelCone,
+}
+
+/// A surface in a pixel: what its samples have in common is shaded once.
+#[derive(Clone, Copy)]
+pub struct Surface {
+    point: Point,
+    samples: f32,
+    /// Sums over the samples.
+    position: glam::Vec3A,
+    normal: glam::Vec3A,
+    wo: glam::Vec3A,
+    diffuse: Rgb,
+    specular: Rgb,
+}
+
+/// Most surfaces of a pixel that are told apart; further ones are shaded where they are met.
+const MAX_SURFACES: usize = 8;
+
+/// Samples of a traced surface whose light is cached for its neighbours only.
+const MIN_TRACED: f32 = 16.0;
+
+impl Shader<'_> {
+    /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`].
+    pub fn direct(&self, ray: Ray, sampler: &mut Sampler, surfaces: &mut Vec<Surface>) -> Radiance {
+        let (world, settings) = (self.world, &self.world.scene.integrator);
+        let mut out = Radiance::default();
+        let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
+        let mut first = None;
+        let seen = see(world, &self.cone, ray, sampler, settings.max_depth, &mut out.rays, |at, throughput, segments| {
+            let light = emission(world, at, None) * throughput;
+            match segments {
+                1 => {
+                    first = Some((at.p, at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)), world.bsdf(at).albedo()));
+                    if !settings.hide_emitters {
+                        emitted += light;
+                    }
+                }
+                _ => through_mirrors += light,
+            }
+        });
+        if let Some((p, normal, albedo)) = first {
+            out.distance = (p - ray.origin).length();
+            (out.normal, out.albedo) = (normal, albedo);
+        }
+        if let Seen::Nothing { direction, throughput, segments } = seen {
+            let light = environment(world, direction, None) * throughput;
+            match segments {
+                1 if settings.hide_emitters => (),
+                1 => emitted += light,
+                _ => through_mirrors += light,
+            }
+        }
+        // One mirror on the way makes emission direct light, more make it indirect: Mitsuba counts segments.
+        if !self.indirect_only {
+            out.emission = emitted;
+            out.direct.glossy += through_mirrors;
+        }
+        let Seen::Surface { point, bsdf } = seen else { return out };
+        if point.segments >= settings.max_depth {
+            return out;
+        }
+        let choice = sampler.next_2d();
+        let u = sampler;
+        let counts = !self.indirect_only || point.segments > 1;
+        if counts {
+            let mut direct = sample_light(world, &point.at, &bsdf, choice.x, u, &mut out.rays);
+            direct = direct + self.emitters_by_bsdf(&point, &bsdf, choice.y, u, &mut out.rays);
+            let direct = direct * point.throughput;
+            if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
+        }
+        match self.policy.treatment(point.material.0) {
+            Treatment::Traced => out.indirect = out.indirect + self.traced(&point, &bsdf, choice.y, u, &mut out.rays),
+            _ => note(&point, &bsdf, surfaces),
+        }
+        out
+    }
+
+    /// Emitters that a direction of the BSDF meets.
+    fn emitters_by_bsdf(&self, point: &Point, bsdf: &Bsdf, choice: f32, sampler: &mut Sampler, rays: &mut u32) -> Split {
+        let Some(sample) = bsdf.sample(choice, sampler.next_2d()) else { return Split::ZERO };
+        let left = Left { receiver: receiver(&point.at, bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) };
+        let ray = point.at.spawn(sample.wi);
+        let hit = self.world.intersect(&ray);
+        *rays += 1;
+        let light = if hit.exists() {
+            emission(self.world, &self.world.interaction(&ray, &hit), Some(&left))
+        } else {
+            environment(self.world, sample.wi, Some(&left))
+        };
+        sample.weight * light
+    }
+
+    /// Indirect light by one path.
+    fn traced(&self, point: &Point, bsdf: &Bsdf, choice: f32, sampler: &mut Sampler, rays: &mut u32) -> Split {
+        let settings = &self.world.scene.integrator;
+        let Some(max_segments) = settings.max_depth.checked_sub(point.segments).filter(|&n| n > 1) else {
+            return Split::ZERO;
+        };
+        let Some(sample) = bsdf.sample(choice, sampler.next_2d()) else { return Split::ZERO };
+        let tracer = IncidentTracer {
+            world: self.world,
+            irradiance: Some(&self.caches.coarse),
+            max_segments,
+            rr_depth: settings.rr_depth.saturating_sub(1).max(1),
+        };
+        let light = tracer.incident(point.at.spawn(sample.wi), sampler, rays);
+        sample.weight * (light.radiance * point.throughput)
+    }
+
+    /// Indirect light of the surfaces of a pixel, summed over their samples.
+    pub fn indirect(&self, surfaces: &[Surface], sampler: &mut Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
+        let depth = self.world.scene.integrator.max_depth;
+        let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth);
+        seen.map(|s| self.surface(s, sampler, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
+    }
+
+    fn surface(&self, s: &Surface, sampler: &mut Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
+        let position = s.position / s.samples;
+        let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
+        let hemisphere = s.point.hemisphere_normal();
+        let (cached, traced) = match self.policy.treatment(s.point.material.0) {
+            Treatment::Irradiance => {
+                let found = interpolated(&self.caches.irradiance, position, hemisphere)
+                    .or_else(|| interpolated(&self.caches.coarse, position, hemisphere));
+                (found.map(|e| Split { diffuse: s.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
+            }
+            Treatment::Eas { lobe, traced } => {
+                let at = Receiver { position, frame: turned(&s.point, normal), wo: glam::Vec3A::Z };
+                let wo = at.frame.to_local(s.wo.normalize());
+                let cached = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
+                (cached, traced)
+            }
+            Treatment::Traced => (None, 1.0),
+        };
+        let path = match cached {
+            Some(_) if traced == 0.0 => Split::ZERO,
+            // Nothing reaches here: trace instead.
+            _ => {
+                let bsdf = self.world.bsdf(&s.point.at);
+                let count = s.samples.max(MIN_TRACED) as u32;
+                let choices = (0..count).map(|_| sampler.next_1d()).collect::<Vec<_>>();
+                let sum = choices.into_iter().fold(Split::ZERO, |sum, choice| {
+                    sum + self.traced(&s.point, &bsdf, choice, sampler, rays)
+                });
+                sum * (s.samples / count as f32)
+            }
+        };
+        match cached {
+            Some(cached) => cached * (1.0 - traced) + path * traced,
+            None => path,
+        }
+    }
+
+    /// Eq. 17.
+    fn eas(&self, lobe: usize, s: &Surface, at: &Receiver, normal: glam::Vec3A, scratch: &mut Scratch) -> Option<Split> {
+        let lobe = &self.policy.lobes[lobe];
+        let reflector = Reflector { table: &lobe.table, diffuse: s.diffuse, specular: s.specular };
+        let (mut sum, mut weights) = (Reflected::default(), 0.0);
+        self.caches.eas.interpolate(at.position, normal, self.quality.weight, |record, w| {
+            if record.material == s.point.material.0 {
+                let part = reflect(record, at, &reflector, &lobe.albedo, self.quality.estimator, scratch);
+                sum.irradiance += part.irradiance * w;
+                sum.specular += part.specular * w;
+                weights += w;
+            }
+        });
+        (weights > 1e-3).then(|| Split {
+            diffuse: s.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
+            glossy: s.specular * (sum.specular.max(Rgb::ZERO) / weights),
+        })
+    }
+}
+
+/// The frame of a point turned to the mean normal of its samples.
+fn turned(point: &Point, normal: glam::Vec3A) -> crate::frame::Frame {
+    let x = point.frame.to_world(glam::Vec3A::X);
+    crate::frame::Frame::with_tangent(normal, x)
+}
+
+/// Adds a sample to the surface it belongs to.
+fn note(point: &Point, bsdf: &Bsdf, surfaces: &mut Vec<Surface>) {
+    let Some(parts) = bsdf.parts() else { return };
+    let normal = bsdf.normal();
+    let same = surfaces.iter().position(|s| {
+        s.point.material == point.material
+            && s.point.segments == point.segments
+            && s.point.frame.normal().dot(normal) > 0.999
+            && s.point.at.wo.dot(point.at.wo) > 0.99
+            && s.point.at.p.distance_squared(point.at.p) < (6.0 * point.footprint).powi(2)
+    });
+    let index = same.unwrap_or_else(|| {
+        if surfaces.len() < MAX_SURFACES {
+            let zero = glam::Vec3A::ZERO;
+            surfaces.push(Surface { point: *point, samples: 0.0, position: zero, normal: zero, wo: zero, diffuse: zero, specular: zero });
+        }
+        surfaces.len() - 1
+    });
+    let s = &mut surfaces[index];
+    s.samples += 1.0;
+    s.diffuse += point.throughput * parts.diffuse;
+    s.specular += point.throughput * parts.specular;
+    s.position += point.at.p;
+    s.normal += normal;
+    s.wo += point.at.wo;
+}

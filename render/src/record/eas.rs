@@ -1,0 +1,202 @@
+//! A record of equivalent area light sources (eas-2015, §3.2).
+
+use super::{Cut, Record, Tree};
+use crate::frame::Frame;
+use crate::scene::Rgb;
+use brdf_tables::cap::projected_solid_angle;
+use core::f32::consts::{FRAC_1_PI, TAU};
+use glam::{Vec2, Vec3A};
+
+/// How EAS are moved and summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimator {
+    /// As published in 2015: E′ and Ω′ of eq. 16, Ward's weights.
+    Paper,
+    /// Irradiance of clipped caps, bounded foreshortening, background plus residual, smooth weights.
+    #[default]
+    Improved,
+}
+
+/// One source: 40 bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Eas {
+    /// Unit direction from the record, world space.
+    pub direction: [f32; 3],
+    /// 1/d, 0 at infinity.
+    pub inv_distance: f32,
+    /// [`Estimator::Paper`]: irradiance E. [`Estimator::Improved`]: radiance of the cap, E over its projected solid angle,
+    /// less the background.
+    pub light: [f32; 3],
+    /// Solid angle Ω, sr.
+    pub solid_angle: f32,
+    /// Octahedral mean normal, two signed 16-bit fractions.
+    pub normal: [i16; 2],
+    /// What eq. 16 needs of the record: 1/(cosθ cosα) ([`Estimator::Paper`]; d² is in the homogeneous direction) or 1/cosα.
+    pub factor: f32,
+}
+
+/// All sources of one point.
+#[derive(Clone, Debug)]
+pub struct EasRecord {
+    position: Vec3A,
+    normal: Vec3A,
+    radius: f32,
+    /// Material it was made for: an index the caller chooses.
+    pub material: u32,
+    /// Radiance that is everywhere, taken out of the sources.
+    pub background: Rgb,
+    /// The sources.
+    pub sources: Box<[Eas]>,
+}
+
+/// Cosines below the sine of this angle are those of a patch that turns: it is never seen thinner than the cap is wide.
+pub(super) fn softened(cos: f32, sin_half_angle: f32) -> f32 {
+    (cos.max(0.0) + sin_half_angle) / (1.0 + sin_half_angle)
+}
+
+/// Sine of the half angle of a cap of this solid angle, 1 from a hemisphere on.
+pub(super) fn cap_sine(solid_angle: f32) -> f32 {
+    let height = (solid_angle * (1.0 / TAU)).min(1.0);
+    (height * (2.0 - height)).sqrt()
+}
+
+impl EasRecord {
+    /// The sources of a cut, at `position` in the world frame of the samples.
+    pub fn new(position: Vec3A, frame: &Frame, material: u32, tree: &Tree, cut: &Cut, estimator: Estimator) -> Self {
+        let nodes: Vec<_> = cut.nodes.iter().map(|&i| &tree.nodes()[i]).collect();
+        let areas: Vec<f32> =
+            nodes.iter().map(|n| projected_solid_angle(n.direction.z, (n.solid_angle / TAU).min(1.0))).collect();
+        let background = match estimator {
+            Estimator::Paper => Rgb::ZERO,
+            Estimator::Improved => background(nodes.iter().map(|n| n.irradiance).zip(areas.iter().copied())),
+        };
+        let sources = nodes
+            .iter()
+            .zip(&areas)
+            .map(|(node, &area)| {
+                let direction = frame.to_world(node.direction);
+                let facing = if node.normal == Vec3A::ZERO { -direction } else { node.normal };
+                let cos_alpha = -facing.dot(direction);
+                let (light, factor) = match estimator {
+                    // Grazing sources would explode: the cosines are kept off zero, as any implementation must.
+                    Estimator::Paper => {
+                        (node.irradiance, 1.0 / (node.direction.z.max(PAPER_MIN_COS) * cos_alpha.max(PAPER_MIN_COS)))
+                    }
+                    Estimator::Improved => (
+                        node.irradiance / area.max(f32::MIN_POSITIVE) - background,
+                        1.0 / softened(cos_alpha, cap_sine(node.solid_angle)),
+                    ),
+                };
+                Eas {
+                    direction: direction.to_array(),
+                    inv_distance: node.inv_distance,
+                    light: light.to_array(),
+                    solid_angle: node.solid_angle,
+                    normal: pack_normal(facing),
+                    factor,
+                }
+            })
+            .collect();
+        Self { position, normal: frame.normal(), radius: 0.0, material, background, sources }
+    }
+
+    /// Irradiance at the record, W·m⁻².
+    pub fn irradiance(&self, estimator: Estimator) -> Rgb {
+        let of = |s: &Eas| match estimator {
+            Estimator::Paper => Rgb::from_array(s.light),
+            Estimator::Improved => {
+                let z = self.normal.dot(Vec3A::from_array(s.direction)).max(0.0);
+                Rgb::from_array(s.light) * projected_solid_angle(z, (s.solid_angle / TAU).min(1.0))
+            }
+        };
+        self.sources.iter().map(of).sum::<Rgb>() + self.background * core::f32::consts::PI
+    }
+}
+
+/// Smallest cosine that eq. 16 divides by.
+const PAPER_MIN_COS: f32 = 0.01;
+
+/// Radiance that a quarter of the projected hemisphere stays below, per channel: what light there is nearly everywhere.
+///
+/// Summed with the material's exact albedo instead of with caps, which do not tile the hemisphere. A low share, because
+/// what is taken out of dark caps comes back as the ripple of negative ones.
+fn background(caps: impl Iterator<Item = (Rgb, f32)>) -> Rgb {
+    let caps: Vec<(Rgb, f32)> = caps.collect();
+    let quarter = 0.25 * caps.iter().map(|c| c.1).sum::<f32>();
+    let channel = |c: usize| {
+        let mut sorted: Vec<(f32, f32)> = caps.iter().map(|(e, a)| (e[c] / a.max(f32::MIN_POSITIVE), *a)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = 0.0;
+        sorted.iter().find(|(_, area)| { sum += area; sum >= quarter }).map_or(0.0, |found| found.0)
+    };
+    Rgb::new(channel(0), channel(1), channel(2))
+}
+
+/// Octahedral projection (Cigolle et al. 2014) to two signed 16-bit fractions.
+fn pack_normal(n: Vec3A) -> [i16; 2] {
+    let p = Vec2::new(n.x, n.y) / n.abs().element_sum().max(f32::MIN_POSITIVE);
+    let fold = |p: Vec2| (1.0 - Vec2::new(p.y.abs(), p.x.abs())) * Vec2::ONE.copysign(p);
+    let p = if n.z < 0.0 { fold(p) } else { p };
+    [p.x, p.y].map(|x| (x.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16)
+}
+
+/// Inverse of [`pack_normal`].
+#[inline(always)]
+pub(super) fn unpack_normal(packed: [i16; 2]) -> Vec3A {
+    let [x, y] = packed.map(|x| f32::from(x) * (1.0 / i16::MAX as f32));
+    let z = 1.0 - x.abs() - y.abs();
+    let fold = (-z).max(0.0);
+    Vec3A::new(x - fold.copysign(x), y - fold.copysign(y), z).normalize()
+}
+
+impl Record for EasRecord {
+    fn position(&self) -> Vec3A {
+        self.position
+    }
+    fn normal(&self) -> Vec3A {
+        self.normal
+    }
+    fn radius(&self) -> f32 {
+        self.radius
+    }
+    fn set_radius(&mut self, radius: f32) {
+        self.radius = radius;
+    }
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&*self.sources)
+    }
+}
+
+/// Mean radiance of an irradiance: E/π.
+pub fn mean_radiance(irradiance: Rgb) -> Rgb {
+    irradiance * FRAC_1_PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_takes_forty_bytes() {
+        assert_eq!(size_of::<Eas>(), 40);
+    }
+
+    #[test]
+    fn normals_survive_packing() {
+        for i in 0..1000 {
+            let (z, phi) = (-1.0 + 2.0 * (i as f32 + 0.5) / 1000.0, 2.4 * i as f32);
+            let r = (1.0 - z * z).sqrt();
+            let n = Vec3A::new(r * phi.cos(), r * phi.sin(), z);
+            assert!((unpack_normal(pack_normal(n)) - n).length() < 1e-4, "{n}");
+        }
+    }
+
+    #[test]
+    fn a_background_is_what_a_quarter_stays_below() {
+        let caps = [(Rgb::splat(4.0), 1.0), (Rgb::splat(1.0), 1.0), (Rgb::splat(8.0), 2.0)];
+        assert_eq!(background(caps.into_iter()), Rgb::ONE);
+        assert_eq!(background(core::iter::empty()), Rgb::ZERO);
+    }
+}

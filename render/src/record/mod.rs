@@ -1,0 +1,33 @@
+//! What a cache keeps at a point: equivalent area light sources for glossy surfaces, irradiance for diffuse ones.
+
+mod cell;
+mod cut;
+pub mod eas;
+mod guide;
+pub mod irradiance;
+mod reflector;
+mod translate;
+mod tree;
+
+pub use cell::{Cell, cap_half_angle};
+pub use cut::{Cut, CutSettings, cut};
+pub use guide::{Guide, View, hemisphere_directions};
+pub use reflector::{Albedo, Reflector};
+pub use translate::{Receiver, Reflected, Scratch, reflect};
+pub use tree::{Centroid, Node, Tree, luminance};
+
+use glam::Vec3A;
+
+/// A point of a surface with what it stores, as the octree and the radius policy see it.
+pub trait Record: Send + Sync {
+    /// Position, world space.
+    fn position(&self) -> Vec3A;
+    /// Unit normal on the lit side.
+    fn normal(&self) -> Vec3A;
+    /// Radius of the zone of influence, in the unit of the scene.
+    fn radius(&self) -> f32;
+    /// Sets the radius.
+    fn set_radius(&mut self, radius: f32);
+    /// Memory, bytes.
+    fn bytes(&self) -> usize;
+}

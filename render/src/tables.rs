@@ -1,0 +1,154 @@
+//! The table of a material: read from a folder, or fitted there.
+
+use brdf_tables::material::Material as Recipe;
+use brdf_tables::table::Table;
+use fitter::fit::{Choice, FitError, Options, TOLERANCE, fit};
+use fitter::solver::SolverKind;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Why a table is not to be had.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    /// The folder cannot be read.
+    #[error("{path}: {source}")]
+    Io {
+        /// The folder or file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A file of the folder is not a table.
+    #[error("{path}: {source}; remove the file, or fit it again with `fitter fit`")]
+    Format {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        source: brdf_tables::format::FormatError,
+    },
+    /// A material cannot be fitted.
+    #[error("{recipe}: {source}")]
+    Fit {
+        /// The material.
+        recipe: String,
+        /// Why not.
+        source: FitError,
+    },
+}
+
+/// A folder of tables, and what was fitted because it was not there.
+#[derive(Debug, Default)]
+pub struct Tables {
+    folder: Option<PathBuf>,
+    known: Vec<Table>,
+    /// Time spent on fitting.
+    pub fitting: Duration,
+    /// One line per fitted table, for people.
+    pub notes: Vec<String>,
+}
+
+impl Tables {
+    /// Reads all tables (`*.tbl`) of a folder, in the order of their names; a folder that does not exist yet is empty.
+    ///
+    /// # Errors
+    /// A folder or table that cannot be read.
+    pub fn open(folder: &Path) -> Result<Self, TableError> {
+        let io = |source| TableError::Io { path: folder.display().to_string(), source };
+        let mut tables = Self { folder: Some(folder.into()), ..Self::default() };
+        if !folder.exists() {
+            return Ok(tables);
+        }
+        let mut files = Vec::new();
+        for entry in std::fs::read_dir(folder).map_err(io)? {
+            let path = entry.map_err(io)?.path();
+            if path.extension().is_some_and(|e| e == "tbl") {
+                files.push(path);
+            }
+        }
+        files.sort();
+        for path in files {
+            let format = |source| TableError::Format { path: path.display().to_string(), source };
+            tables.known.push(Table::load(&path).map_err(format)?);
+        }
+        Ok(tables)
+    }
+
+    /// The table of the specular part of `recipe`: colours do not matter, they multiply at run time. Fits it where there is
+    /// none, and leaves it in the folder for the next time.
+    ///
+    /// # Errors
+    /// A material that cannot be fitted; a folder that cannot be written.
+    pub fn find(&mut self, recipe: &Recipe) -> Result<Table, TableError> {
+        if let Some(table) = self.known.iter().find(|t| t.header.material.specular == recipe.specular) {
+            return Ok(table.clone());
+        }
+        let start = Instant::now();
+        let text = recipe.recipe_text();
+        let options = Options {
+            representation: Choice::Auto,
+            solver: SolverKind::LevenbergMarquardt,
+            lobes: None,
+            tolerance: TOLERANCE,
+            seed: 0,
+            command: format!("fitter fit {text}"),
+            progress: &|_| (),
+        };
+        let table = fit(recipe, &options).map_err(|source| TableError::Fit { recipe: text.clone(), source })?;
+        self.fitting += start.elapsed();
+        let mut note = format!("fitted {text} in {:.1} s", start.elapsed().as_secs_f64());
+        if let Some(folder) = &self.folder {
+            std::fs::create_dir_all(folder)
+                .map_err(|source| TableError::Io { path: folder.display().to_string(), source })?;
+            let path = folder.join(file_name(&text));
+            table.save(&path).map_err(|source| TableError::Format { path: path.display().to_string(), source })?;
+            note += &format!(", kept as {}", path.display());
+        }
+        self.notes.push(note);
+        self.known.push(table.clone());
+        Ok(table)
+    }
+}
+
+/// A file name from a recipe: its letters and digits.
+fn file_name(recipe: &str) -> String {
+    let mut name = String::new();
+    for c in recipe.chars() {
+        match c {
+            'a'..='z' | 'A'..='Z' | '0'..='9' | '.' => name.push(c),
+            _ if !name.ends_with('-') => name.push('-'),
+            _ => (),
+        }
+    }
+    name.trim_matches('-').to_owned() + ".tbl"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdf_tables::brdf::{Phong, Specular};
+
+    #[test]
+    fn a_fitted_table_is_found_the_next_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
+        let mut tables = Tables::open(&folder.path().join("new")).unwrap();
+        let table = tables.find(&recipe).unwrap();
+        assert_eq!(tables.notes.len(), 1);
+        let mut again = Tables::open(&folder.path().join("new")).unwrap();
+        assert_eq!(again.find(&recipe).unwrap(), table);
+        assert!(again.notes.is_empty() && again.fitting.is_zero());
+    }
+
+    #[test]
+    fn a_broken_table_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("bad.tbl"), b"nothing").unwrap();
+        let error = Tables::open(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("bad.tbl"), "{error}");
+    }
+
+    #[test]
+    fn names_are_plain() {
+        assert_eq!(file_name("phong:exponent=100,ks=1,kd=0"), "phong-exponent-100-ks-1-kd-0.tbl");
+    }
+}
