@@ -130,7 +130,7 @@ impl<'a> Builder<'a> {
             // Where light changes fast, records are dense: but noise must not pass for change.
             let reach = found.harmonic_mean.min(2.0 * record.gradient_limit().max(0.25 * found.harmonic_mean));
             record.set_radius(radius.radius(reach, point.footprint));
-            record.limit_gradient(found.harmonic_mean);
+            record.limit_gradient(found.harmonic_mean.max(record.radius()));
             Some((record, radius.min_pixels * point.footprint))
         };
         fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
