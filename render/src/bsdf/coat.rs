@@ -99,8 +99,7 @@ impl CoatTable {
     /// Mean transmittance under a cosine-weighted hemisphere.
     fn mean_transmittance(&self) -> f32 {
         let node = |i: usize| (i as f32 / (Self::NODES - 1) as f32, self.transmittance[i]);
-        let (weights, sum) =
-            (0..Self::NODES).map(node).fold((0.0, 0.0), |(w, s), (cos, t)| (w + cos, s + cos * t));
+        let (weights, sum) = (0..Self::NODES).map(node).fold((0.0, 0.0), |(w, s), (cos, t)| (w + cos, s + cos * t));
         sum / weights
     }
 

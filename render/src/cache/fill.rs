@@ -57,7 +57,8 @@ pub fn fill<R: Record, M: Send>(
 /// Every pixel once: a coarse grid, then the three grids between at every halving of the spacing.
 fn waves(grid: Grid) -> impl Iterator<Item = Vec<usize>> {
     let lattice = move |spacing: u32, x0: u32, y0: u32| {
-        let columns = move |y: u32| (x0..grid.width).step_by(spacing as usize).map(move |x| (y * grid.width + x) as usize);
+        let columns =
+            move |y: u32| (x0..grid.width).step_by(spacing as usize).map(move |x| (y * grid.width + x) as usize);
         (y0..grid.height).step_by(spacing as usize).flat_map(columns).collect::<Vec<_>>()
     };
     let halvings = (0..COARSEST.ilog2()).map(|k| COARSEST >> k);

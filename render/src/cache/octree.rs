@@ -89,7 +89,8 @@ mod tests {
     #[test]
     fn finds_every_ball_that_holds_the_point() {
         let point = |i: u32| {
-            let x = |k: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(k * 0x9e37_79b9) >> 8) as f32 / (1 << 24) as f32;
+            let x =
+                |k: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(k * 0x9e37_79b9) >> 8) as f32 / (1 << 24) as f32;
             Vec3A::new(x(0), x(1) * 2.0, x(2) * 0.1)
         };
         let mut tree = Octree::new(Vec3A::ZERO, Vec3A::new(1.0, 2.0, 0.1));

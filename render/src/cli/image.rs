@@ -227,9 +227,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Method::Path => {
             let shading = Instant::now();
             let integrator = PathTracer { settings: world.scene.integrator, indirect_only: args.indirect_only };
-            let picture = pool.install(|| {
-                with_progress(|progress| render(&world, &integrator, budget, args.seed, progress))
-            });
+            let picture =
+                pool.install(|| with_progress(|progress| render(&world, &integrator, budget, args.seed, progress)));
             stats.seconds.shade = shading.elapsed().as_secs_f64();
             picture
         }

@@ -100,11 +100,7 @@ impl Cell {
 
     fn at(&self, u: Vec2, cosine: bool) -> Vec3A {
         let [low, high] = self.z;
-        let z = if cosine {
-            (low * low + u.x * (high * high - low * low)).sqrt()
-        } else {
-            low + u.x * (high - low)
-        };
+        let z = if cosine { (low * low + u.x * (high * high - low * low)).sqrt() } else { low + u.x * (high - low) };
         let (s, c) = (self.phi[0] + u.y * (self.phi[1] - self.phi[0])).sin_cos();
         let r = (1.0 - z * z).max(0.0).sqrt();
         Vec3A::new(r * c, r * s, z)

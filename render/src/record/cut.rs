@@ -125,7 +125,8 @@ pub fn cut(tree: &Tree, reflector: &Reflector, directions: &[Vec3A], settings: &
         let error = global_error(&current, &comparison);
         let done = error <= settings.tolerance;
         let next = if done { None } else { heap.pop() };
-        let Some(Candidate { node, .. }) = next.filter(|c| count + nodes[c.node].children().len() <= settings.max_eas + 1)
+        let Some(Candidate { node, .. }) =
+            next.filter(|c| count + nodes[c.node].children().len() <= settings.max_eas + 1)
         else {
             in_cut.retain(|&n| !removed[n]);
             in_cut.sort_unstable();

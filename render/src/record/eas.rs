@@ -129,7 +129,13 @@ fn background(caps: impl Iterator<Item = (Rgb, f32)>) -> Rgb {
         let mut sorted: Vec<(f32, f32)> = caps.iter().map(|(e, a)| (e[c] / a.max(f32::MIN_POSITIVE), *a)).collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut sum = 0.0;
-        sorted.iter().find(|(_, area)| { sum += area; sum >= quarter }).map_or(0.0, |found| found.0)
+        sorted
+            .iter()
+            .find(|(_, area)| {
+                sum += area;
+                sum >= quarter
+            })
+            .map_or(0.0, |found| found.0)
     };
     Rgb::new(channel(0), channel(1), channel(2))
 }

@@ -186,13 +186,19 @@ mod tests {
         let strata = Strata { rings: 160, sectors: 500 };
         let gather = |p: Vec3A, n: Vec3A| {
             let frame = Frame::from_normal(n);
-            IrradianceRecord::gather(p, &frame, strata, |_| Vec2::splat(0.5), |d, _| {
-                // A smooth wall of light at height 2.
-                let t = if d.z > 1e-3 { (2.0 - p.z) / d.z } else { 1e6 };
-                let q = p + d * t;
-                let glow = (-0.3 * (q.x * q.x + q.y * q.y)).exp();
-                Incident { radiance: Rgb::new(1.0, 0.5, 0.2) * glow, distance: t, normal: -Vec3A::Z }
-            })
+            IrradianceRecord::gather(
+                p,
+                &frame,
+                strata,
+                |_| Vec2::splat(0.5),
+                |d, _| {
+                    // A smooth wall of light at height 2.
+                    let t = if d.z > 1e-3 { (2.0 - p.z) / d.z } else { 1e6 };
+                    let q = p + d * t;
+                    let glow = (-0.3 * (q.x * q.x + q.y * q.y)).exp();
+                    Incident { radiance: Rgb::new(1.0, 0.5, 0.2) * glow, distance: t, normal: -Vec3A::Z }
+                },
+            )
             .record
         };
         let (p, n) = (Vec3A::new(0.7, -0.4, 0.0), Vec3A::Z);

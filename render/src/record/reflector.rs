@@ -62,7 +62,11 @@ impl Albedo {
             for k in 0..azimuths {
                 let phi = FRAC_PI_2 as f64 * k as f64 / (azimuths - 1).max(1) as f64;
                 let r = (1.0 - z * z).sqrt();
-                values.push(table.specular().map_or(0.0, |s| directional_albedo(s, DVec3::new(r * phi.cos(), r * phi.sin(), z))));
+                values.push(
+                    table
+                        .specular()
+                        .map_or(0.0, |s| directional_albedo(s, DVec3::new(r * phi.cos(), r * phi.sin(), z))),
+                );
             }
         }
         let small = |theta: f64| Cap::new(theta, 0.0, 1e-4).map_or(0.0, |cap| table.support(&cap));

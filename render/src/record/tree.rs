@@ -73,7 +73,14 @@ impl Tree {
     }
 
     /// Subdivides a node and everything below it.
-    fn split(&mut self, node: usize, samples: &mut [GatherSample], leaf_samples: usize, level: u32, centroid: Centroid) {
+    fn split(
+        &mut self,
+        node: usize,
+        samples: &mut [GatherSample],
+        leaf_samples: usize,
+        level: u32,
+        centroid: Centroid,
+    ) {
         // The root is always divided: one source for the whole hemisphere is too coarse.
         if (level > 0 && samples.len() <= leaf_samples) || samples.is_empty() || level == MAX_LEVEL {
             return;

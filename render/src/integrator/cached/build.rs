@@ -167,7 +167,12 @@ impl<'a> Builder<'a> {
     }
 
     /// The record of what pixel `i` shows, its tree's samples, and the rays they took.
-    fn eas_record(&self, tracer: &IncidentTracer, point: &Point, i: usize) -> Option<(EasRecord, Vec<GatherSample>, u64)> {
+    fn eas_record(
+        &self,
+        tracer: &IncidentTracer,
+        point: &Point,
+        i: usize,
+    ) -> Option<(EasRecord, Vec<GatherSample>, u64)> {
         let Treatment::Eas { lobe, .. } = self.treatment(point) else { return None };
         let lobe = &self.policy.lobes[lobe];
         let quality = &self.quality;

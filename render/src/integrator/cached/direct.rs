@@ -31,7 +31,14 @@ pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
 
 /// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`.
 #[inline]
-pub fn sample_light(world: &World, at: &Interaction, bsdf: &Bsdf, choice: f32, sampler: &mut Sampler, rays: &mut u32) -> Split {
+pub fn sample_light(
+    world: &World,
+    at: &Interaction,
+    bsdf: &Bsdf,
+    choice: f32,
+    sampler: &mut Sampler,
+    rays: &mut u32,
+) -> Split {
     let u = sampler.next_2d();
     if bsdf.is_delta() {
         return Split::ZERO;

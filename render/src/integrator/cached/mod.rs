@@ -101,7 +101,8 @@ pub fn render_cached(
     };
     let (quality, caches) = build(tolerance, deadline, &|x| progress(FILL_SHARE * x));
     let filled = Instant::now();
-    let picture = shade(world, policy, &caches, quality, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
+    let picture =
+        shade(world, policy, &caches, quality, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
     let figures = Figures {
         fill: filled - start,
         shade: filled.elapsed(),

@@ -73,7 +73,8 @@ impl Policy {
         let mut policy = Self::default();
         let mut known: Vec<(Specular, usize)> = Vec::new();
         for (i, material) in scene.materials.iter().enumerate() {
-            let name = scene.material_names.get(i).filter(|n| !n.is_empty()).cloned().unwrap_or(format!("material {i}"));
+            let name =
+                scene.material_names.get(i).filter(|n| !n.is_empty()).cloned().unwrap_or(format!("material {i}"));
             let treatment = match material {
                 Material::Diffuse { .. } => Treatment::Irradiance,
                 _ => match specular(material) {
@@ -94,11 +95,14 @@ impl Policy {
                                     policy.lobes.len() - 1
                                 }
                             };
-                            let share = if traced > 0.0 { format!(", {:.0} % traced", 100.0 * traced) } else { "".into() };
+                            let share =
+                                if traced > 0.0 { format!(", {:.0} % traced", 100.0 * traced) } else { "".into() };
                             policy.notes.push(format!("{name}: cached (lobe {width:.3} rad{share})"));
                             Treatment::Eas { lobe, traced }
                         } else {
-                            policy.notes.push(format!("{name}: path traced (lobe {width:.3} rad is too sharp to cache)"));
+                            policy
+                                .notes
+                                .push(format!("{name}: path traced (lobe {width:.3} rad is too sharp to cache)"));
                             Treatment::Traced
                         }
                     }
@@ -157,7 +161,8 @@ pub fn specular(material: &Material) -> Option<Specular> {
             },
         })),
         Material::RoughConductor { distribution, alpha_u, alpha_v, eta, k, .. } => {
-            let fresnel = if *eta == Rgb::ZERO { Fresnel::None } else { Fresnel::Conductor { eta: rgb(eta), k: rgb(k) } };
+            let fresnel =
+                if *eta == Rgb::ZERO { Fresnel::None } else { Fresnel::Conductor { eta: rgb(eta), k: rgb(k) } };
             let (alpha_x, alpha_y) = (constant(alpha_u)?, constant(alpha_v)?);
             Some(Specular::Microfacet(Microfacet { distribution: facets(distribution), alpha_x, alpha_y, fresnel }))
         }

@@ -53,7 +53,7 @@ impl Quality {
         };
         Self {
             estimator,
-            irradiance_rays: rays(400.0).max(64),
+            irradiance_rays: rays(1600.0).max(64),
             irradiance: radius(0.5, 3.0, 24.0),
             coarse_rays: rays(160.0).max(64),
             coarse: radius(0.7, 8.0, 40.0),
@@ -65,7 +65,11 @@ impl Quality {
                 Estimator::Improved => radius(0.6, 2.5, 14.0),
                 Estimator::Paper => radius(0.6, 2.5, 20.0),
             },
-            cut: CutSettings { tolerance, max_eas: 1024 },
+            cut: CutSettings {
+                // A record is read by other points than it was made for: the improved cut leaves room for them.
+                tolerance: if estimator == Estimator::Paper { tolerance } else { 0.1 * tolerance },
+                max_eas: 1024,
+            },
             directions: 64,
             weight: match estimator {
                 Estimator::Improved => Weight::Smooth,

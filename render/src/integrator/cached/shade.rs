@@ -58,18 +58,23 @@ impl Shader<'_> {
         let mut out = Radiance::default();
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
         let mut first = None;
-        let seen = see(world, &self.cone, ray, sampler, settings.max_depth, &mut out.rays, |at, throughput, segments| {
-            let light = emission(world, at, None) * throughput;
-            match segments {
-                1 => {
-                    first = Some((at.p, at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)), world.bsdf(at).albedo()));
-                    if !settings.hide_emitters {
-                        emitted += light;
+        let seen =
+            see(world, &self.cone, ray, sampler, settings.max_depth, &mut out.rays, |at, throughput, segments| {
+                let light = emission(world, at, None) * throughput;
+                match segments {
+                    1 => {
+                        first = Some((
+                            at.p,
+                            at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)),
+                            world.bsdf(at).albedo(),
+                        ));
+                        if !settings.hide_emitters {
+                            emitted += light;
+                        }
                     }
+                    _ => through_mirrors += light,
                 }
-                _ => through_mirrors += light,
-            }
-        });
+            });
         if let Some((p, normal, albedo)) = first {
             out.distance = (p - ray.origin).length();
             (out.normal, out.albedo) = (normal, albedo);
@@ -108,7 +113,14 @@ impl Shader<'_> {
     }
 
     /// Emitters that a direction of the BSDF meets.
-    fn emitters_by_bsdf(&self, point: &Point, bsdf: &Bsdf, choice: f32, sampler: &mut Sampler, rays: &mut u32) -> Split {
+    fn emitters_by_bsdf(
+        &self,
+        point: &Point,
+        bsdf: &Bsdf,
+        choice: f32,
+        sampler: &mut Sampler,
+        rays: &mut u32,
+    ) -> Split {
         let Some(sample) = bsdf.sample(choice, sampler.next_2d()) else { return Split::ZERO };
         let left = Left { receiver: receiver(&point.at, bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) };
         let ray = point.at.spawn(sample.wi);
@@ -140,7 +152,13 @@ impl Shader<'_> {
     }
 
     /// Indirect light of the surfaces of a pixel, summed over their samples.
-    pub fn indirect(&self, surfaces: &[Surface], sampler: &mut Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
+    pub fn indirect(
+        &self,
+        surfaces: &[Surface],
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+        rays: &mut u32,
+    ) -> Split {
         let depth = self.world.scene.integrator.max_depth;
         let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth);
         seen.map(|s| self.surface(s, sampler, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
@@ -171,9 +189,9 @@ impl Shader<'_> {
                 let bsdf = self.world.bsdf(&s.point.at);
                 let count = s.samples.max(MIN_TRACED) as u32;
                 let choices = (0..count).map(|_| sampler.next_1d()).collect::<Vec<_>>();
-                let sum = choices.into_iter().fold(Split::ZERO, |sum, choice| {
-                    sum + self.traced(&s.point, &bsdf, choice, sampler, rays)
-                });
+                let sum = choices
+                    .into_iter()
+                    .fold(Split::ZERO, |sum, choice| sum + self.traced(&s.point, &bsdf, choice, sampler, rays));
                 sum * (s.samples / count as f32)
             }
         };
@@ -184,7 +202,14 @@ impl Shader<'_> {
     }
 
     /// Eq. 17.
-    fn eas(&self, lobe: usize, s: &Surface, at: &Receiver, normal: glam::Vec3A, scratch: &mut Scratch) -> Option<Split> {
+    fn eas(
+        &self,
+        lobe: usize,
+        s: &Surface,
+        at: &Receiver,
+        normal: glam::Vec3A,
+        scratch: &mut Scratch,
+    ) -> Option<Split> {
         let lobe = &self.policy.lobes[lobe];
         let reflector = Reflector { table: &lobe.table, diffuse: s.diffuse, specular: s.specular };
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
@@ -223,7 +248,15 @@ fn note(point: &Point, bsdf: &Bsdf, surfaces: &mut Vec<Surface>) {
     let index = same.unwrap_or_else(|| {
         if surfaces.len() < MAX_SURFACES {
             let zero = glam::Vec3A::ZERO;
-            surfaces.push(Surface { point: *point, samples: 0.0, position: zero, normal: zero, wo: zero, diffuse: zero, specular: zero });
+            surfaces.push(Surface {
+                point: *point,
+                samples: 0.0,
+                position: zero,
+                normal: zero,
+                wo: zero,
+                diffuse: zero,
+                specular: zero,
+            });
         }
         surfaces.len() - 1
     });
