@@ -2,6 +2,7 @@
 
 mod area;
 mod environment;
+mod split;
 mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
@@ -255,11 +256,7 @@ impl Lights {
     /// Radiance from infinity in the unit direction `d`, directional lights aside.
     #[inline]
     pub fn environment(&self, d: Vec3A) -> Rgb {
-        match &self.environment {
-            None => Rgb::ZERO,
-            Some((Environment::Constant(radiance), _)) => *radiance,
-            Some((Environment::Map(map), _)) => map.radiance(d),
-        }
+        self.environment.as_ref().map_or(Rgb::ZERO, |(environment, _)| environment.radiance(d))
     }
 
     /// Density in sr⁻¹ with which [`Lights::sample`] chooses the direction `d` to the environment.

@@ -12,7 +12,7 @@ use crate::record::eas::{EasRecord, Estimator};
 use crate::record::irradiance::{IrradianceRecord, Strata};
 use crate::record::{Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
 use crate::sampler::Sampler;
-use crate::scene::Rgb;
+use crate::scene::{Environment, Rgb};
 use crate::world::World;
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -39,6 +39,7 @@ const COVERED: f32 = 0.2;
 pub struct Builder<'a> {
     world: &'a World,
     policy: &'a Policy,
+    environment: Option<&'a Environment>,
     quality: Quality,
     seed: u64,
     /// What the middle of every pixel shows.
@@ -48,8 +49,14 @@ pub struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Looks through the camera.
-    pub fn new(world: &'a World, policy: &'a Policy, quality: Quality, seed: u64) -> Self {
+    /// Looks through the camera. Records will hold `environment` besides what is reflected.
+    pub fn new(
+        world: &'a World,
+        policy: &'a Policy,
+        environment: Option<&'a Environment>,
+        quality: Quality,
+        seed: u64,
+    ) -> Self {
         let generator = RayGenerator::new(&world.scene.camera);
         let window = world.scene.camera.film.window();
         let max = world.scene.integrator.max_depth.min(MAX_CHAIN);
@@ -59,7 +66,7 @@ impl<'a> Builder<'a> {
             .map(|i| pixel_point(world, &generator, pixel(i), seed, max))
             .collect();
         let grid = Grid { width: window.width, height: window.height };
-        Self { world, policy, quality, seed, points, grid, rays: AtomicU64::new(0) }
+        Self { world, policy, environment, quality, seed, points, grid, rays: AtomicU64::new(0) }
     }
 
     /// Fills all caches until the deadline; `progress` is told the share of the work done.
@@ -73,13 +80,13 @@ impl<'a> Builder<'a> {
             rays: 0,
         };
         if depth > 3 {
-            let full = self.tracer(None, depth - 2);
+            let full = self.tracer(None, None, depth - 2);
             let quality = (self.quality.coarse_rays, self.quality.coarse);
             let any = |p: &Point| self.treatment(p) != Treatment::Traced;
             self.fill_irradiance(&mut caches.coarse, &full, quality, 1, any, deadline, &|x| progress(0.1 * x));
         }
-        if depth > 2 {
-            let short = self.tracer(Some(&caches.coarse), depth - 1);
+        if depth > 2 || (depth == 2 && self.environment.is_some()) {
+            let short = self.tracer(Some(&caches.coarse), self.environment, depth - 1);
             let quality = (self.quality.irradiance_rays, self.quality.irradiance);
             let diffuse = |p: &Point| self.treatment(p) == Treatment::Irradiance;
             let progress_here = |x: f64| progress(0.1 + 0.3 * x);
@@ -90,12 +97,17 @@ impl<'a> Builder<'a> {
         caches
     }
 
-    fn tracer<'c>(&self, irradiance: Option<&'c Cache<IrradianceRecord>>, max_segments: u32) -> IncidentTracer<'c>
+    fn tracer<'c>(
+        &self,
+        irradiance: Option<&'c Cache<IrradianceRecord>>,
+        environment: Option<&'c Environment>,
+        max_segments: u32,
+    ) -> IncidentTracer<'c>
     where
         'a: 'c,
     {
         let rr_depth = self.world.scene.integrator.rr_depth;
-        IncidentTracer { world: self.world, irradiance, max_segments, rr_depth }
+        IncidentTracer { world: self.world, irradiance, environment, max_segments, rr_depth }
     }
 
     fn treatment(&self, point: &Point) -> Treatment {

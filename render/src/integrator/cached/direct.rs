@@ -2,7 +2,7 @@
 //! use it.
 
 use crate::bsdf::{Bsdf, Split};
-use crate::light::{Receiver, Target};
+use crate::light::{Lights, Receiver, Target};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::world::{Interaction, World};
@@ -29,10 +29,11 @@ pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
     Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() }
 }
 
-/// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`.
+/// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`. `lights` may be a part of the world's.
 #[inline]
 pub fn sample_light(
     world: &World,
+    lights: &Lights,
     at: &Interaction,
     bsdf: &Bsdf,
     choice: f32,
@@ -43,7 +44,7 @@ pub fn sample_light(
     if bsdf.is_delta() {
         return Split::ZERO;
     }
-    let Some(light) = world.lights.sample(&world.scene.textures, &receiver(at, bsdf), choice, u) else {
+    let Some(light) = lights.sample(&world.scene.textures, &receiver(at, bsdf), choice, u) else {
         return Split::ZERO;
     };
     let value = bsdf.eval(light.wi);
@@ -62,17 +63,17 @@ pub fn sample_light(
 
 /// Emission of a surface that a path meets, weighted.
 #[inline]
-pub fn emission(world: &World, at: &Interaction, left: Option<&Left>) -> Rgb {
+pub fn emission(world: &World, lights: &Lights, at: &Interaction, left: Option<&Left>) -> Rgb {
     let Some(emitter) = at.emitter else { return Rgb::ZERO };
     let cos = at.normal.dot(at.wo);
     if cos <= 0.0 {
         return Rgb::ZERO;
     }
-    let light = world.lights.emitted(&world.scene.textures, emitter, at.uv);
+    let light = lights.emitted(&world.scene.textures, emitter, at.uv);
     match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
         Some((left, pdf)) => {
             let distance = (at.p - left.receiver.p).length();
-            light * power_heuristic(pdf, world.lights.pdf(&left.receiver, emitter, distance, cos))
+            light * power_heuristic(pdf, lights.pdf(&left.receiver, emitter, distance, cos))
         }
         None => light,
     }
@@ -80,11 +81,11 @@ pub fn emission(world: &World, at: &Interaction, left: Option<&Left>) -> Rgb {
 
 /// Light from infinity along a direction that meets nothing, weighted.
 #[inline]
-pub fn environment(world: &World, direction: Vec3A, left: Option<&Left>) -> Rgb {
-    let light = world.lights.environment(direction);
+pub fn environment(lights: &Lights, direction: Vec3A, left: Option<&Left>) -> Rgb {
+    let light = lights.environment(direction);
     match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
         Some((left, pdf)) if light != Rgb::ZERO => {
-            light * power_heuristic(pdf, world.lights.environment_pdf(&left.receiver, direction))
+            light * power_heuristic(pdf, lights.environment_pdf(&left.receiver, direction))
         }
         _ => light,
     }

@@ -7,7 +7,7 @@ use crate::ray::Ray;
 use crate::record::eas::mean_radiance;
 use crate::record::irradiance::IrradianceRecord;
 use crate::sampler::Sampler;
-use crate::scene::Rgb;
+use crate::scene::{Environment, Rgb};
 use crate::world::World;
 use glam::Vec3A;
 
@@ -18,6 +18,8 @@ pub struct IncidentTracer<'a> {
     pub world: &'a World,
     /// Irradiance that ends paths, if there is any yet. It must hold light of paths two segments shorter than the whole.
     pub irradiance: Option<&'a Cache<IrradianceRecord>>,
+    /// Light from infinity that records hold: it counts along the first ray too.
+    pub environment: Option<&'a Environment>,
     /// Segments left, the first ray of the path included.
     pub max_segments: u32,
     /// Segments after which Russian roulette may end a path.
@@ -25,8 +27,8 @@ pub struct IncidentTracer<'a> {
 }
 
 impl IncidentTracer<'_> {
-    /// Light along a ray that is reflected at least once where the ray ends; what emitters and the environment send along
-    /// the ray itself belongs to direct light. Adds the rays traced to `rays`.
+    /// Light along a ray that is reflected at least once where the ray ends; what emitters send along the ray itself belongs
+    /// to direct light, and so does the environment but for the part that records hold. Adds the rays traced to `rays`.
     #[inline]
     pub fn incident(&self, ray: Ray, sampler: &mut Sampler, rays: &mut u32) -> Incident {
         let world = self.world;
@@ -42,8 +44,10 @@ impl IncidentTracer<'_> {
                 if straight.is_some() {
                     found.distance = f32::INFINITY;
                 }
-                if segment > 1 {
-                    found.radiance += throughput * environment(world, ray.direction, left.as_ref());
+                if segment == 1 {
+                    found.radiance = self.environment.map_or(Rgb::ZERO, |e| e.radiance(ray.direction));
+                } else {
+                    found.radiance += throughput * environment(&world.lights, ray.direction, left.as_ref());
                 }
                 break;
             }
@@ -55,14 +59,15 @@ impl IncidentTracer<'_> {
             if segment == 1 {
                 found.normal = at.normal * 1f32.copysign(at.normal.dot(at.wo));
             } else {
-                found.radiance += throughput * emission(world, &at, left.as_ref());
+                found.radiance += throughput * emission(world, &world.lights, &at, left.as_ref());
             }
             if segment == self.max_segments {
                 break;
             }
             let bsdf = world.bsdf(&at);
             let choice = sampler.next_2d();
-            found.radiance += throughput * sample_light(world, &at, &bsdf, choice.x, sampler, rays).sum();
+            found.radiance +=
+                throughput * sample_light(world, &world.lights, &at, &bsdf, choice.x, sampler, rays).sum();
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
                 let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal())?;

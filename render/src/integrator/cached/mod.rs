@@ -20,7 +20,7 @@ pub use points::{PixelCone, Point};
 use policy::Policy;
 use rayon::prelude::*;
 pub use settings::{Quality, TOLERANCE};
-use shade::{Shader, Surface};
+use shade::{LightSplit, Shader, Surface};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -63,9 +63,14 @@ pub struct Figures {
 /// Share of a time budget that filling may use.
 const FILL_SHARE: f64 = 0.55;
 
-/// τ of the trial from whose time that of the rest is guessed, and the range of τ.
+/// τ of the trial from whose time that of the rest is guessed.
 const TRIAL_TOLERANCE: f32 = 0.2;
-const TOLERANCES: (f32, f32) = (0.002, 0.2);
+
+/// A second fill must bring τ below this share of the trial's.
+const WORTH_A_SECOND_FILL: f32 = 0.6;
+
+/// No budget of time asks for less.
+const SMALLEST_TOLERANCE: f32 = 0.002;
 
 /// Samples per pixel of one pass.
 const PASS: u32 = 8;
@@ -78,31 +83,39 @@ pub fn render_cached(
     progress: &(dyn Fn(f64) + Sync),
 ) -> (Picture, Figures, Caches) {
     let start = Instant::now();
+    let split = LightSplit::new(world, settings.indirect_only);
     let build = |tolerance: f32, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)| {
         let quality = Quality::new(tolerance, settings.estimator);
-        (quality, Builder::new(world, policy, quality, settings.seed).build(deadline, progress))
+        (quality, Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(deadline, progress))
     };
     let time = match settings.budget {
         Budget::Time(limit) => Some(limit),
         _ => None,
     };
     let deadline = time.map(|limit| start + limit.mul_f64(FILL_SHARE));
-    let tolerance = match (settings.tolerance, deadline) {
-        (Some(tolerance), _) => tolerance,
-        (None, None) => TOLERANCE,
+    let report = |x: f64| progress(FILL_SHARE * x);
+    let (tolerance, (quality, caches)) = match (settings.tolerance, deadline) {
+        (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
+        (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
         (None, Some(end)) => {
-            // The cost is about inverse to τ: a cheap trial tells the factor.
+            // A cheap trial tells what τ the time allows: half of its cost does not depend on τ, half is inverse to it.
             let trial = Instant::now();
-            build(TRIAL_TOLERANCE, Some(end), &|_| ());
+            let filled = build(TRIAL_TOLERANCE, Some(end), &|_| ());
+            let spent = trial.elapsed().as_secs_f64();
             let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-            let ratio = trial.elapsed().as_secs_f64() / left.max(1e-3);
-            ((f64::from(TRIAL_TOLERANCE) * ratio) as f32).clamp(TOLERANCES.0, TOLERANCES.1)
+            let tolerance = TRIAL_TOLERANCE * (0.5 * spent / (left - 0.5 * spent).max(1e-6)) as f32;
+            if tolerance < WORTH_A_SECOND_FILL * TRIAL_TOLERANCE {
+                let tolerance = tolerance.max(SMALLEST_TOLERANCE);
+                (tolerance, build(tolerance, Some(end), &report))
+            } else {
+                (TRIAL_TOLERANCE, filled)
+            }
         }
     };
-    let (quality, caches) = build(tolerance, deadline, &|x| progress(FILL_SHARE * x));
     let filled = Instant::now();
-    let picture =
-        shade(world, policy, &caches, quality, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
+    let picture = shade(world, policy, &split, &caches, quality, settings, start, &|x| {
+        progress(FILL_SHARE + (1.0 - FILL_SHARE) * x)
+    });
     let figures = Figures {
         fill: filled - start,
         shade: filled.elapsed(),
@@ -120,6 +133,7 @@ pub fn render_cached(
 fn shade(
     world: &World,
     policy: &Policy,
+    split: &LightSplit,
     caches: &Caches,
     quality: Quality,
     settings: &Settings,
@@ -129,7 +143,7 @@ fn shade(
     let camera = RayGenerator::new(&world.scene.camera);
     let window = world.scene.camera.film.window();
     let cone = PixelCone::new(world);
-    let shader = Shader { world, policy, caches, quality, indirect_only: settings.indirect_only, cone };
+    let shader = Shader { world, policy, caches, split, quality, indirect_only: settings.indirect_only, cone };
     let count = window.width as usize * window.height as usize;
     let mut pixels = vec![Pixel::default(); count];
     let mut surfaces: Vec<Vec<Surface>> = vec![Vec::new(); count];

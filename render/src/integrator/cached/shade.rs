@@ -9,11 +9,12 @@ use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use crate::bsdf::{Bsdf, Split};
 use crate::integrator::Radiance;
+use crate::light::Lights;
 use crate::ray::Ray;
 use crate::record::eas::mean_radiance;
 use crate::record::{Receiver, Reflected, Reflector, Scratch, reflect};
 use crate::sampler::Sampler;
-use crate::scene::Rgb;
+use crate::scene::{Environment, Rgb};
 use crate::world::World;
 
 /// Shades with filled caches, which it only reads.
@@ -24,12 +25,36 @@ pub struct Shader<'a> {
     pub policy: &'a Policy,
     /// Records.
     pub caches: &'a Caches,
+    /// Light that records hold on their own, and the lights without it.
+    pub split: &'a LightSplit,
     /// Estimator and weights.
     pub quality: Quality,
     /// Whether light that is scattered less than twice is left out.
     pub indirect_only: bool,
     /// Opening angle of a pixel.
     pub cone: PixelCone,
+}
+
+/// The lights of a world, divided between records and pixels.
+#[derive(Clone, Debug)]
+pub struct LightSplit {
+    /// What records hold: the dim part of the environment.
+    pub held: Option<Environment>,
+    /// All other lights, for the direct light of cached surfaces.
+    pub rest: Lights,
+}
+
+impl LightSplit {
+    /// Divides the lights; with `indirect_only` records hold none.
+    pub fn new(world: &World, indirect_only: bool) -> Self {
+        match &world.scene.environment {
+            Some(environment) if !indirect_only => {
+                let (held, rest) = environment.split();
+                Self { held: Some(held), rest: world.lights.with_environment(rest) }
+            }
+            _ => Self { held: None, rest: world.lights.clone() },
+        }
+    }
 }
 
 /// A surface in a pixel: what its samples have in common is shaded once.
@@ -60,7 +85,7 @@ impl Shader<'_> {
         let mut first = None;
         let seen =
             see(world, &self.cone, ray, sampler, settings.max_depth, &mut out.rays, |at, throughput, segments| {
-                let light = emission(world, at, None) * throughput;
+                let light = emission(world, &world.lights, at, None) * throughput;
                 match segments {
                     1 => {
                         first = Some((
@@ -80,7 +105,7 @@ impl Shader<'_> {
             (out.normal, out.albedo) = (normal, albedo);
         }
         if let Seen::Nothing { direction, throughput, segments } = seen {
-            let light = environment(world, direction, None) * throughput;
+            let light = environment(&world.lights, direction, None) * throughput;
             match segments {
                 1 if settings.hide_emitters => (),
                 1 => emitted += light,
@@ -100,13 +125,18 @@ impl Shader<'_> {
         let u = sampler;
         let counts = !self.indirect_only || point.segments > 1;
         if counts {
-            let mut direct = sample_light(world, &point.at, &bsdf, choice.x, u, &mut out.rays);
-            direct = direct + self.emitters_by_bsdf(&point, &bsdf, choice.y, u, &mut out.rays);
+            // Records hold a part of the lights already.
+            let treatment = self.policy.treatment(point.material.0);
+            let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
+            let mut direct = sample_light(world, lights, &point.at, &bsdf, choice.x, u, &mut out.rays);
+            direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, u, &mut out.rays);
             let direct = direct * point.throughput;
             if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
         }
         match self.policy.treatment(point.material.0) {
-            Treatment::Traced => out.indirect = out.indirect + self.traced(&point, &bsdf, choice.y, u, &mut out.rays),
+            Treatment::Traced => {
+                out.indirect = out.indirect + self.traced(&point, &bsdf, None, choice.y, u, &mut out.rays)
+            }
             _ => note(&point, &bsdf, surfaces),
         }
         out
@@ -115,6 +145,7 @@ impl Shader<'_> {
     /// Emitters that a direction of the BSDF meets.
     fn emitters_by_bsdf(
         &self,
+        lights: &Lights,
         point: &Point,
         bsdf: &Bsdf,
         choice: f32,
@@ -127,23 +158,34 @@ impl Shader<'_> {
         let hit = self.world.intersect(&ray);
         *rays += 1;
         let light = if hit.exists() {
-            emission(self.world, &self.world.interaction(&ray, &hit), Some(&left))
+            emission(self.world, lights, &self.world.interaction(&ray, &hit), Some(&left))
         } else {
-            environment(self.world, sample.wi, Some(&left))
+            environment(lights, sample.wi, Some(&left))
         };
         sample.weight * light
     }
 
-    /// Indirect light by one path.
-    fn traced(&self, point: &Point, bsdf: &Bsdf, choice: f32, sampler: &mut Sampler, rays: &mut u32) -> Split {
+    /// Indirect light by one path, and what of the environment was left to the records.
+    fn traced(
+        &self,
+        point: &Point,
+        bsdf: &Bsdf,
+        environment: Option<&Environment>,
+        choice: f32,
+        sampler: &mut Sampler,
+        rays: &mut u32,
+    ) -> Split {
         let settings = &self.world.scene.integrator;
-        let Some(max_segments) = settings.max_depth.checked_sub(point.segments).filter(|&n| n > 1) else {
+        let Some(max_segments) =
+            settings.max_depth.checked_sub(point.segments).filter(|&n| n > 1 || environment.is_some())
+        else {
             return Split::ZERO;
         };
         let Some(sample) = bsdf.sample(choice, sampler.next_2d()) else { return Split::ZERO };
         let tracer = IncidentTracer {
             world: self.world,
             irradiance: Some(&self.caches.coarse),
+            environment,
             max_segments,
             rr_depth: settings.rr_depth.saturating_sub(1).max(1),
         };
@@ -160,7 +202,7 @@ impl Shader<'_> {
         rays: &mut u32,
     ) -> Split {
         let depth = self.world.scene.integrator.max_depth;
-        let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth);
+        let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth + u32::from(self.split.held.is_some()));
         seen.map(|s| self.surface(s, sampler, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
     }
 
@@ -170,8 +212,7 @@ impl Shader<'_> {
         let hemisphere = s.point.hemisphere_normal();
         let (cached, traced) = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
-                let found = interpolated(&self.caches.irradiance, position, hemisphere)
-                    .or_else(|| interpolated(&self.caches.coarse, position, hemisphere));
+                let found = interpolated(&self.caches.irradiance, position, hemisphere);
                 (found.map(|e| Split { diffuse: s.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
             }
             Treatment::Eas { lobe, traced } => {
@@ -189,9 +230,9 @@ impl Shader<'_> {
                 let bsdf = self.world.bsdf(&s.point.at);
                 let count = s.samples.max(MIN_TRACED) as u32;
                 let choices = (0..count).map(|_| sampler.next_1d()).collect::<Vec<_>>();
-                let sum = choices
-                    .into_iter()
-                    .fold(Split::ZERO, |sum, choice| sum + self.traced(&s.point, &bsdf, choice, sampler, rays));
+                let sum = choices.into_iter().fold(Split::ZERO, |sum, choice| {
+                    sum + self.traced(&s.point, &bsdf, self.split.held.as_ref(), choice, sampler, rays)
+                });
                 sum * (s.samples / count as f32)
             }
         };
