@@ -192,6 +192,7 @@ impl<'a> Builder<'a> {
         let parts = self.world.bsdf(&point.at).parts()?;
         let reflector = Reflector { table: &lobe.table, diffuse: parts.diffuse, specular: parts.specular };
         let mut gather = Gather::new(tracer, point, self.seed, 3, i as u32);
+        let mut reach = quality.eas.max_pixels;
         let (mut samples, tree, directions) = match quality.estimator {
             Estimator::Paper => {
                 let mut samples = gather.uniform(&frame, quality.paper_rays);
@@ -199,7 +200,8 @@ impl<'a> Builder<'a> {
                 (samples, tree, hemisphere_directions(quality.directions))
             }
             Estimator::Improved => {
-                let views = self.views(point, i);
+                let (views, pixels) = self.views(point, i, lobe.width);
+                reach = pixels;
                 let guide = Guide::new(&frame, &views, lobe.width, quality.fineness);
                 let cells = guide.cells(quality.max_cells);
                 let smallest = cells.iter().map(crate::record::Cell::solid_angle).fold(f32::INFINITY, f32::min);
@@ -218,34 +220,71 @@ impl<'a> Builder<'a> {
         let cut = cut(&tree, &reflector, &directions, &quality.cut);
         let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
         let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
-        record.set_radius(quality.eas.radius(1.0 / nearest, point.footprint));
+        let policy = RadiusPolicy { max_pixels: reach, ..quality.eas };
+        record.set_radius(policy.radius(1.0 / nearest, point.footprint));
         samples.shrink_to_fit();
         Some((record, samples, gather.rays))
     }
 
-    /// Views of the same surface around pixel `i`: those that will read the record.
-    fn views(&self, point: &Point, i: usize) -> Vec<View> {
-        let reach = self.quality.eas.max_pixels.ceil() as i32;
+    /// Views of the same surface that will read the record of pixel `i`, and how far they reach in pixels: less where the
+    /// surface is so curved that its mirror directions leave the region that a record can hold finely.
+    fn views(&self, point: &Point, i: usize, lobe_width: f32) -> (Vec<View>, f32) {
+        let RadiusPolicy { min_pixels, max_pixels, .. } = self.quality.eas;
+        let mut reach = max_pixels;
+        loop {
+            let views = self.views_within(point, i, reach);
+            let mirror = |v: &View| 2.0 * v.normal.dot(v.wo) * v.normal - v.wo;
+            let center = mirror(&views[0]);
+            let spread = views.iter().map(|v| mirror(v).dot(center)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
+            if reach <= min_pixels || spread <= MAX_SPREAD * lobe_width {
+                return (views, reach);
+            }
+            reach = (0.7 * reach).max(min_pixels);
+        }
+    }
+
+    fn views_within(&self, point: &Point, i: usize, reach: f32) -> Vec<View> {
+        let pixels = reach.ceil() as i32;
         let (x, y) = ((i as u32 % self.grid.width) as i32, (i as u32 / self.grid.width) as i32);
-        let steps = [-reach, -reach / 2, 0, reach / 2, reach];
         let mut views = vec![point.view()];
-        for dy in steps {
-            for dx in steps {
-                let (px, py) = (x + dx, y + dy);
-                let inside = px >= 0 && py >= 0 && px < self.grid.width as i32 && py < self.grid.height as i32;
-                if !inside || (dx, dy) == (0, 0) {
-                    continue;
-                }
-                let Some(other) = &self.points[py as usize * self.grid.width as usize + px as usize] else { continue };
-                let near = other.at.p.distance(point.at.p) <= 1.5 * reach as f32 * point.footprint;
-                if near && other.material == point.material {
-                    views.push(other.view());
-                }
+        for (dx, dy) in VIEWS {
+            let (px, py) = (x + dx * pixels / 4, y + dy * pixels / 4);
+            let inside = px >= 0 && py >= 0 && px < self.grid.width as i32 && py < self.grid.height as i32;
+            if !inside || (px, py) == (x, y) {
+                continue;
+            }
+            let Some(other) = &self.points[py as usize * self.grid.width as usize + px as usize] else { continue };
+            let near = other.at.p.distance(point.at.p) <= 1.5 * reach * point.footprint;
+            if near && other.material == point.material {
+                views.push(other.view());
             }
         }
         views
     }
 }
+
+/// Where the views of a record are taken, in quarters of its reach.
+const VIEWS: [(i32, i32); 16] = [
+    (-4, 0),
+    (4, 0),
+    (0, -4),
+    (0, 4),
+    (-3, -3),
+    (3, -3),
+    (-3, 3),
+    (3, 3),
+    (-2, 0),
+    (2, 0),
+    (0, -2),
+    (0, 2),
+    (-1, -2),
+    (2, -1),
+    (-2, 1),
+    (1, 2),
+];
+
+/// Largest angle between the mirror directions of a record's views, in lobe widths.
+const MAX_SPREAD: f32 = 5.0;
 
 /// Adds a record whose radius its neighbours may bound.
 fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {

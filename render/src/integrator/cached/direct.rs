@@ -29,13 +29,16 @@ pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
     Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() }
 }
 
-/// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`. `lights` may be a part of the world's.
+/// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`. `lights` may be a part of the
+/// world's. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
 #[inline]
+#[allow(clippy::too_many_arguments)]
 pub fn sample_light(
     world: &World,
     lights: &Lights,
     at: &Interaction,
     bsdf: &Bsdf,
+    diffuse_alone: bool,
     choice: f32,
     sampler: &mut Sampler,
     rays: &mut u32,
@@ -49,7 +52,9 @@ pub fn sample_light(
     };
     let value = bsdf.eval(light.wi);
     let mis = if light.delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
-    let reflected = value.f * (light.radiance * (bsdf.abs_cos(light.wi) * mis / light.pdf));
+    let weighted = |f: Rgb, mis: f32| f * light.radiance * (bsdf.abs_cos(light.wi) * mis / light.pdf);
+    let diffuse = weighted(value.f.diffuse, if diffuse_alone { 1.0 } else { mis });
+    let reflected = Split { diffuse, glossy: weighted(value.f.glossy, mis) };
     if reflected.sum().max_element() <= 0.0 {
         return Split::ZERO;
     }

@@ -66,13 +66,13 @@ impl IncidentTracer<'_> {
             }
             let bsdf = world.bsdf(&at);
             let choice = sampler.next_2d();
-            found.radiance +=
-                throughput * sample_light(world, &world.lights, &at, &bsdf, choice.x, sampler, rays).sum();
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
                 let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal())?;
                 Some((parts, irradiance))
             });
+            found.radiance += throughput
+                * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, sampler, rays).sum();
             if let Some((parts, irradiance)) = cached {
                 found.radiance += throughput * parts.diffuse * mean_radiance(irradiance);
                 if parts.specular == Rgb::ZERO {

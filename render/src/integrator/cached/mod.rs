@@ -66,6 +66,9 @@ const FILL_SHARE: f64 = 0.55;
 /// τ of the trial from whose time that of the rest is guessed.
 const TRIAL_TOLERANCE: f32 = 0.2;
 
+/// Share of the time left that the second fill is planned for: the guess is rough.
+const FILL_MARGIN: f64 = 0.65;
+
 /// A second fill must bring τ below this share of the trial's.
 const WORTH_A_SECOND_FILL: f32 = 0.6;
 
@@ -103,7 +106,7 @@ pub fn render_cached(
             let filled = build(TRIAL_TOLERANCE, Some(end), &|_| ());
             let spent = trial.elapsed().as_secs_f64();
             let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-            let tolerance = TRIAL_TOLERANCE * (0.5 * spent / (left - 0.5 * spent).max(1e-6)) as f32;
+            let tolerance = TRIAL_TOLERANCE * (0.5 * spent / (FILL_MARGIN * left - 0.5 * spent).max(1e-6)) as f32;
             if tolerance < WORTH_A_SECOND_FILL * TRIAL_TOLERANCE {
                 let tolerance = tolerance.max(SMALLEST_TOLERANCE);
                 (tolerance, build(tolerance, Some(end), &report))

@@ -128,7 +128,7 @@ impl Shader<'_> {
             // Records hold a part of the lights already.
             let treatment = self.policy.treatment(point.material.0);
             let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
-            let mut direct = sample_light(world, lights, &point.at, &bsdf, choice.x, u, &mut out.rays);
+            let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, u, &mut out.rays);
             direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, u, &mut out.rays);
             let direct = direct * point.throughput;
             if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
