@@ -5,6 +5,7 @@ mod direct;
 mod incident;
 mod points;
 pub mod policy;
+mod probe;
 mod settings;
 mod shade;
 
@@ -18,9 +19,11 @@ pub use build::{Builder, Caches};
 pub use incident::IncidentTracer;
 pub use points::{PixelCone, Point};
 use policy::Policy;
+pub use probe::{Probe, ProbeError};
 use rayon::prelude::*;
 pub use settings::{Quality, TOLERANCE};
-use shade::{LightSplit, Shader, Surface};
+pub use shade::LightSplit;
+use shade::{Shader, Surface};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
