@@ -73,7 +73,9 @@ pub fn cut_svg(made: &Compressed, exposure: f32) -> Result<String, DrawError> {
             ))
             .map_err(failed)?;
         for &i in &made.cut.nodes {
-            let radiance: Rgb = nodes[i].irradiance / nodes[i].cell.projected_solid_angle().max(f32::MIN_POSITIVE);
+            // The samples of a small cell rarely cover exactly its solid angle: theirs counts.
+            let cosine = nodes[i].cell.projected_solid_angle() / nodes[i].cell.solid_angle();
+            let radiance: Rgb = nodes[i].irradiance / (cosine * nodes[i].solid_angle).max(f32::MIN_POSITIVE);
             let [r, g, b] = (radiance * exposure).to_array().map(|x| (255.0 * to_srgb(x) + 0.5) as u8);
             canvas.draw(&Polygon::new(outline(i), RGBColor(r, g, b).filled())).map_err(failed)?;
         }
@@ -128,7 +130,9 @@ pub fn error_svg(paper: &[Measured], improved: &[Measured], guided: Measured) ->
             .axis_desc_style(font(14))
             .label_style(font(12))
             .bold_line_style(stroke(RGBColor(214, 218, 224), 0.8))
-            .light_line_style(stroke(RGBColor(214, 218, 224), 0.4))
+            .light_line_style(TRANSPARENT)
+            .x_labels(8)
+            .y_labels(8)
             .axis_style(stroke(BLACK, 1.0))
             .draw()
             .map_err(failed)?;

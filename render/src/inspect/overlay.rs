@@ -16,10 +16,10 @@ const IRRADIANCE: [f32; 3] = [0.05, 0.9, 0.1];
 const COARSE: [f32; 3] = [0.1, 0.3, 1.0];
 
 /// Share of a pixel that a ring covers; a dot covers all of it.
-const RING: f32 = 0.5;
+const RING: f32 = 0.35;
 
 /// A rendering with a dot for every record the camera sees, and the circle of its zone of influence on its tangent plane,
-/// at least one pixel wide: EAS records red, irradiance green, coarse irradiance blue. Records that something hides, and
+/// at least one pixel wide: EAS records red, irradiance green, coarse irradiance blue. Records and parts of circles that something hides, and
 /// those of surfaces seen in mirrors only, are left out.
 pub fn show_records(image: &Image, world: &World, caches: &Caches) -> Image {
     let mut out = Overlay { image: image.clone(), camera: RayGenerator::new(&world.scene.camera), world };
@@ -57,7 +57,8 @@ impl Overlay<'_> {
         // A pixel is blended once, however many steps fall on it.
         let mut covered = Vec::new();
         for k in 0..steps {
-            if let Some(p) = self.project(on_ring(k, steps)) {
+            let on_ring = on_ring(k, steps);
+            if let Some(p) = self.project(on_ring).filter(|_| !self.hidden(on_ring)) {
                 let away = p - dot;
                 let p = if away.length() < 1.0 { dot + away.try_normalize().unwrap_or(Vec2::X) } else { p };
                 covered.extend(self.pixel(p));
