@@ -13,8 +13,12 @@ use render::record::{
 use render::sampler::Sampler;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let path = std::env::args().nth(1).ok_or("usage: cache_library TABLE")?;
-    let table = Table::load(&path)?;
+    println!("{}", run(&std::env::args().nth(1).ok_or("usage: cache_library TABLE")?)?);
+    Ok(())
+}
+
+pub fn run(path: &str) -> Result<String, Box<dyn std::error::Error>> {
+    let table = Table::load(path)?;
     let albedo = Albedo::new(&table);
     let reflector = Reflector { table: &table, diffuse: Vec3A::splat(0.2), specular: Vec3A::splat(0.6) };
 
@@ -49,6 +53,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             (reflector.diffuse / core::f32::consts::PI * part.irradiance + reflector.specular * part.specular) * w;
         weights += w;
     });
-    println!("{} records, {} bytes, radiance {:.4}", cache.records().len(), cache.bytes(), radiance / weights);
-    Ok(())
+    Ok(format!("{} records, {} bytes, radiance {:.4}", cache.records().len(), cache.bytes(), radiance / weights))
 }

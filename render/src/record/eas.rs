@@ -26,8 +26,8 @@ pub struct Eas {
     pub direction: [f32; 3],
     /// 1/d, 0 at infinity.
     pub inv_distance: f32,
-    /// [`Estimator::Paper`]: irradiance E. [`Estimator::Improved`]: radiance of the cap, E over its projected solid angle,
-    /// less the background.
+    /// [`Estimator::Paper`]: irradiance E. [`Estimator::Improved`]: E less that of the background, over the projected solid
+    /// angle of the cap: a radiance.
     pub light: [f32; 3],
     /// Solid angle Ω, sr.
     pub solid_angle: f32,
@@ -70,7 +70,7 @@ impl EasRecord {
             nodes.iter().map(|n| projected_solid_angle(n.direction.z, (n.solid_angle / TAU).min(1.0))).collect();
         let background = match estimator {
             Estimator::Paper => Rgb::ZERO,
-            Estimator::Improved => background(nodes.iter().map(|n| n.irradiance).zip(areas.iter().copied())),
+            Estimator::Improved => background(nodes.iter().map(|n| (n.irradiance, n.projected))),
         };
         let sources = nodes
             .iter()
@@ -85,7 +85,7 @@ impl EasRecord {
                         (node.irradiance, 1.0 / (node.direction.z.max(PAPER_MIN_COS) * cos_alpha.max(PAPER_MIN_COS)))
                     }
                     Estimator::Improved => (
-                        node.irradiance / area.max(f32::MIN_POSITIVE) - background,
+                        (node.irradiance - background * node.projected) / area.max(f32::MIN_POSITIVE),
                         1.0 / softened(cos_alpha, cap_sine(node.solid_angle)),
                     ),
                 };

@@ -5,7 +5,12 @@ use render::integrator::cached::policy::Allowed;
 
 /// Bound of the error for scenes that the cache draws well, and those that it does not, each with the reason.
 const BOUND: f64 = 0.02;
-const WORSE: [(&str, f64); 0] = [];
+const WORSE: [(&str, f64); 2] = [
+    // Three faces meet: records are as near to them as a pixel allows, and what each sees changes faster than that.
+    ("corner.xml", 0.04),
+    // The light is a slit that few rays of a record find, and none finds for long.
+    ("door-slit.xml", 0.04),
+];
 
 #[test]
 fn failure_scenes_stay_within_what_was_measured() {
