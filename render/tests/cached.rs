@@ -5,6 +5,8 @@
 mod common;
 #[path = "cached/failure.rs"]
 mod failure;
+#[path = "cached/file.rs"]
+mod file;
 #[path = "cached/furnace.rs"]
 mod furnace;
 #[path = "cached/library.rs"]

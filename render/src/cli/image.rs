@@ -5,8 +5,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use render::film::{Budget, Picture, render};
 use render::image::write_picture;
 use render::integrator::PathTracer;
+use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Figures, Settings, render_cached};
+use render::integrator::cached::{Figures, Settings, TOLERANCE, render_cached};
 use render::record::eas::Estimator;
 use render::scene::{Camera, Crop, Scene, load};
 use render::tables::Tables;
@@ -68,6 +69,9 @@ pub struct Args {
     /// Folder of fitted tables; what is missing is fitted and kept there.
     #[arg(long, value_name = "DIR", default_value = "tables")]
     tables: PathBuf,
+    /// Keep records in this file: read where it exists, written at the end. The same camera gives the same picture.
+    #[arg(long, value_name = "FILE", conflicts_with = "time")]
+    cache: Option<PathBuf>,
     /// Samples per pixel [default: what the scene asks for].
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = clap::value_parser!(u32).range(1..=1 << 22))]
     spp: Option<u32>,
@@ -142,8 +146,18 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
         seed: args.seed,
         indirect_only: args.indirect_only,
     };
-    let (picture, figures, _) =
-        pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, progress)));
+    let tolerance = args.tau.unwrap_or(TOLERANCE);
+    let mut kept = None;
+    if let Some(path) = args.cache.as_ref().filter(|p| p.exists()) {
+        let loaded = file::load(path, world, &policy, &settings, tolerance);
+        kept = Some(loaded.map_err(|e: CacheFileError| anyhow::anyhow!("{}: {e}", path.display()))?);
+    }
+    let (picture, figures, caches) =
+        pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, kept, progress)));
+    if let Some(path) = &args.cache {
+        file::save(path, world, &policy, &settings, tolerance, &caches)
+            .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
+    }
     stats.take(&figures, tables.fitting);
     eprintln!(
         "render: {:.2} s to fill, {:.2} s to shade; {} EAS records of {:.0} sources and {:.0} bytes, {} irradiance records; \

@@ -77,7 +77,7 @@ pub fn cached(world: &World, allowed: Allowed, tolerance: f32, spp: u32) -> (Pic
         seed: 1,
         indirect_only: false,
     };
-    let (picture, figures, _) = render_cached(world, &policy, &settings, &|_| ());
+    let (picture, figures, _) = render_cached(world, &policy, &settings, None, &|_| ());
     (picture, figures)
 }
 

@@ -62,7 +62,7 @@ fn the_papers_estimator_draws_the_box() {
         seed: 1,
         indirect_only: false,
     };
-    let (picture, figures, _) = render_cached(&world, &policy, &settings, &|_| ());
+    let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
     let (error, bias) = compare(&picture, &traced(&world, 256));
     println!("paper: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.eas_records);
     assert!(error < 0.05 && bias.abs() < 0.05, "{error} {bias}");

@@ -69,16 +69,16 @@ impl<'a> Builder<'a> {
         Self { world, policy, environment, quality, seed, points, grid, rays: AtomicU64::new(0) }
     }
 
-    /// Fills all caches until the deadline; `progress` is told the share of the work done.
-    pub fn build(&self, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
+    /// Fills all caches, beginning with those of an earlier run, until the deadline; `progress` is told the share of the work done.
+    pub fn build(&self, kept: Option<Caches>, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
         let (min, max) = self.world.bounds();
         let depth = self.world.scene.integrator.max_depth;
-        let mut caches = Caches {
+        let mut caches = kept.unwrap_or_else(|| Caches {
             coarse: Cache::new(min, max),
             irradiance: Cache::new(min, max),
             eas: Cache::new(min, max),
             rays: 0,
-        };
+        });
         if depth > 3 {
             let full = self.tracer(None, None, depth - 2);
             let quality = (self.quality.coarse_rays, self.quality.coarse);

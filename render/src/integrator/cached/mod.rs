@@ -2,6 +2,7 @@
 
 mod build;
 mod direct;
+pub mod file;
 mod incident;
 mod points;
 pub mod policy;
@@ -15,6 +16,7 @@ use crate::record::eas::Estimator;
 use crate::sampler::Sampler;
 use crate::world::World;
 pub use build::{Builder, Caches};
+use file::Loaded;
 pub use incident::IncidentTracer;
 pub use points::{PixelCone, Point};
 use policy::Policy;
@@ -79,17 +81,28 @@ const SMALLEST_TOLERANCE: f32 = 0.002;
 const PASS: u32 = 8;
 
 /// Fills caches for the camera of a world and renders with them. `progress` is told the share of the work done.
+///
+/// `kept` are caches of an earlier run: complete ones are used as they are, others get what the camera needs besides.
 pub fn render_cached(
     world: &World,
     policy: &Policy,
     settings: &Settings,
+    kept: Option<Loaded>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> (Picture, Figures, Caches) {
     let start = Instant::now();
     let split = LightSplit::new(world, settings.indirect_only);
+    let (kept, complete) = kept.map_or((None, false), |k| (Some(k.caches), k.complete));
     let build = |tolerance: f32, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)| {
         let quality = Quality::new(tolerance, settings.estimator);
-        (quality, Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(deadline, progress))
+        (
+            quality,
+            Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(
+                kept.clone(),
+                deadline,
+                progress,
+            ),
+        )
     };
     let time = match settings.budget {
         Budget::Time(limit) => Some(limit),
@@ -98,6 +111,11 @@ pub fn render_cached(
     let deadline = time.map(|limit| start + limit.mul_f64(FILL_SHARE));
     let report = |x: f64| progress(FILL_SHARE * x);
     let (tolerance, (quality, caches)) = match (settings.tolerance, deadline) {
+        (tolerance, _) if complete => {
+            let tolerance = tolerance.unwrap_or(TOLERANCE);
+            let caches = kept.clone().expect("complete caches are there");
+            (tolerance, (Quality::new(tolerance, settings.estimator), caches))
+        }
         (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
         (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
         (None, Some(end)) => {
