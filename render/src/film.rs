@@ -102,13 +102,13 @@ pub fn render<I: Integrator>(
 
 /// Runs `f`, compiled for AVX2 where the machine has it: scalar code gains from its encodings and fused operations.
 #[inline(always)]
-fn widest(level: Level, f: impl FnOnce()) {
+pub(crate) fn widest<T>(level: Level, f: impl FnOnce() -> T) -> T {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(avx2) = level.as_avx2() {
         return avx2.vectorize(f);
     }
     let _ = level;
-    f();
+    f()
 }
 
 /// Adds the samples of the given indices to a pixel.

@@ -176,3 +176,45 @@ fn mistakes_are_named() {
     f.bad("compare a.exr a.exr --false-color c.exr", ".png");
     f.bad("compare a.txt a.txt", ".exr, .png or .hdr");
 }
+
+const GLOSSY: &str = r#"<scene version="3.0.0">
+    <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+    <sensor type="perspective">
+        <transform name="to_world"><lookat origin="0, 1, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/><rfilter type="box"/></film>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>
+    <shape type="sphere"><bsdf type="phong"><float name="exponent" value="30"/></bsdf></shape>
+</scene>"#;
+
+/// A missing table is fitted and kept; the second run has no more to fit; both pictures appear, and so do the figures.
+#[test]
+fn cached_pictures_fit_what_they_need() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    let run = "image glossy.xml --method eas --spp 2 --tau 0.1 --tables made -o a.exr -o a.png --stats s.json";
+    let (code, _, err) = folder.run(run);
+    assert!(code == 0 && err.contains("fitted phong") && err.contains("EAS records"), "{err}");
+    assert_eq!(std::fs::read_dir(folder.path("made")).unwrap().count(), 1);
+    let (_, _, again) = folder.run(run);
+    assert!(!again.contains("fitted"), "{again}");
+    assert!(folder.path("a.png").exists());
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("s.json")).unwrap()).unwrap();
+    assert_eq!(stats["method"], "eas");
+    assert!(stats["records"].as_u64() > Some(0) && stats["eas_mean"].as_f64() > Some(1.0), "{stats}");
+    assert!(stats["bytes_per_record"].as_f64() < Some(16_000.0) && stats["seconds"]["fill"].as_f64() > Some(0.0));
+}
+
+#[test]
+fn what_caches_cannot_do_is_refused() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    std::fs::create_dir(folder.path("bad")).unwrap();
+    std::fs::write(folder.path("bad/x.tbl"), "no table").unwrap();
+    std::fs::write(folder.path("x.cache"), "no cache").unwrap();
+    folder.bad("image glossy.xml --method eas --error 0.1 -o a.png", "--error");
+    folder.bad("image glossy.xml --method eas --tau 0 -o a.png", "--tau");
+    folder.bad("image glossy.xml --method eas --tables bad -o a.png", "x.tbl");
+    folder.bad("image glossy.xml --method eas --tables made --cache x.cache -o a.png", "x.cache");
+    folder.bad("image glossy.xml --method eas -o a.jpg", ".png");
+}

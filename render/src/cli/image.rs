@@ -53,9 +53,9 @@ impl Method {
 pub struct Args {
     /// Scene: Mitsuba XML or glTF.
     scene: PathBuf,
-    /// Picture to write: .exr (linear, with layers) or .png (sRGB view).
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
+    #[arg(short, long, value_name = "OUT", required = true)]
+    output: Vec<PathBuf>,
     /// How to render.
     #[arg(long, value_enum, default_value_t = Method::Path)]
     method: Method,
@@ -219,9 +219,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(error) = args.error {
         ensure!(error > 0.0 && error.is_finite(), "--error needs a number > 0");
     }
-    let extension = args.output.extension().unwrap_or_default().to_ascii_lowercase();
-    if extension != "exr" && extension != "png" {
-        bail!("{}: the name must end in .exr or .png", args.output.display());
+    for output in &args.output {
+        let extension = output.extension().unwrap_or_default().to_ascii_lowercase();
+        if extension != "exr" && extension != "png" {
+            bail!("{}: the name must end in .exr or .png", output.display());
+        }
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
     let (mut scene, warnings) = load::load(&args.scene, &args.define)?;
@@ -249,7 +251,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         _ => cached(args, &world, budget, &pool, &mut stats)?,
     };
     let writing = Instant::now();
-    write_picture(&args.output, &picture)?;
+    for output in &args.output {
+        write_picture(output, &picture)?;
+    }
     stats.seconds.shade += writing.elapsed().as_secs_f64();
     (stats.rays, stats.spp) = (picture.rays, picture.spp);
     stats.seconds.total = start.elapsed().as_secs_f64();
@@ -264,11 +268,9 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
     match (args.spp, args.time, args.error) {
         (_, Some(seconds), _) => {
             let film = scene.camera.film.window();
-            let per_pixel = if args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-                EXR_SECONDS
-            } else {
-                PNG_SECONDS
-            };
+            let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+            let exrs = args.output.iter().filter(exr).count();
+            let per_pixel = EXR_SECONDS * exrs as f64 + PNG_SECONDS * (args.output.len() - exrs) as f64;
             let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
             Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
         }

@@ -29,7 +29,7 @@ pub struct IncidentTracer<'a> {
 impl IncidentTracer<'_> {
     /// Light along a ray that is reflected at least once where the ray ends; what emitters send along the ray itself belongs
     /// to direct light, and so does the environment but for the part that records hold. Adds the rays traced to `rays`.
-    #[inline]
+    #[inline(always)]
     pub fn incident(&self, ray: Ray, sampler: &mut Sampler, rays: &mut u32) -> Incident {
         let world = self.world;
         let mut found = Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };

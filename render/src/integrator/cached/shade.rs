@@ -78,6 +78,7 @@ const MIN_TRACED: f32 = 16.0;
 
 impl Shader<'_> {
     /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`].
+    #[inline(always)]
     pub fn direct(&self, ray: Ray, sampler: &mut Sampler, surfaces: &mut Vec<Surface>) -> Radiance {
         let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
@@ -143,6 +144,7 @@ impl Shader<'_> {
     }
 
     /// Emitters that a direction of the BSDF meets.
+    #[inline(always)]
     fn emitters_by_bsdf(
         &self,
         lights: &Lights,
@@ -166,6 +168,7 @@ impl Shader<'_> {
     }
 
     /// Indirect light by one path, and what of the environment was left to the records.
+    #[inline(always)]
     fn traced(
         &self,
         point: &Point,
@@ -194,6 +197,7 @@ impl Shader<'_> {
     }
 
     /// Indirect light of the surfaces of a pixel, summed over their samples.
+    #[inline(always)]
     pub fn indirect(
         &self,
         surfaces: &[Surface],
@@ -206,6 +210,7 @@ impl Shader<'_> {
         seen.map(|s| self.surface(s, sampler, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
     }
 
+    #[inline(always)]
     fn surface(&self, s: &Surface, sampler: &mut Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
@@ -243,6 +248,7 @@ impl Shader<'_> {
     }
 
     /// Eq. 17.
+    #[inline(always)]
     fn eas(
         &self,
         lobe: usize,
