@@ -161,7 +161,7 @@ impl Bsdf<'_> {
     }
 
     /// f_r and density for light from the world direction `wi`.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wi: Vec3A) -> Value {
         self.local_value(self.frame.to_local(wi))
     }
@@ -201,7 +201,7 @@ impl Bsdf<'_> {
     }
 
     /// Samples a direction for light; `choice` chooses among parts. `None` where the sample is lost.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<Sample> {
         let wo = self.wo;
         if self.only_reflects() && wo.z <= 0.0 {
