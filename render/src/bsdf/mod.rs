@@ -154,12 +154,6 @@ impl Bsdf<'_> {
         matches!(self.model, Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_))
     }
 
-    /// Whether [`Bsdf::sample`] looks at its `choice`.
-    #[inline]
-    pub fn has_parts(&self) -> bool {
-        !matches!(self.model, Model::Absorb | Model::Diffuse(_) | Model::Mirror(_) | Model::RoughMetal(_))
-    }
-
     /// f_r and density for light from the world direction `wi`.
     #[inline(always)]
     pub fn eval(&self, wi: Vec3A) -> Value {
