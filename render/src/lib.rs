@@ -13,3 +13,4 @@ pub mod ray;
 pub mod sampler;
 pub mod scene;
 pub mod world;
+pub mod z_test;
