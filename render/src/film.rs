@@ -3,6 +3,7 @@
 use crate::camera::RayGenerator;
 use crate::integrator::{Integrator, Radiance};
 use crate::sampler::Sampler;
+use crate::scene::Rgb;
 use crate::world::World;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
@@ -27,6 +28,8 @@ pub struct Pixel {
     pub sum: Radiance,
     /// Sum of the squares of the samples' mean channel.
     pub squares: f32,
+    /// Over the passes, sum of (the samples' sum)² / (their number).
+    pub pass_squares: Rgb,
     /// Number of samples that met a surface.
     pub surfaces: u32,
 }
@@ -42,6 +45,8 @@ pub struct Picture {
     pub pixels: Vec<Pixel>,
     /// Samples of every pixel.
     pub spp: u32,
+    /// Passes that took them.
+    pub passes: u32,
     /// Rays traced.
     pub rays: u64,
 }
@@ -67,7 +72,7 @@ pub fn render<I: Integrator>(
     let window = world.scene.camera.film.window();
     let count = window.width as usize * window.height as usize;
     let mut picture =
-        Picture { width: window.width, height: window.height, pixels: vec![Pixel::default(); count], spp: 0, rays: 0 };
+        Picture { width: window.width, height: window.height, pixels: vec![Pixel::default(); count], spp: 0, passes: 0, rays: 0 };
     let start = Instant::now();
     let level = Level::new();
     loop {
@@ -78,7 +83,7 @@ pub fn render<I: Integrator>(
         let (from, to) = (picture.spp, picture.spp + pass);
         let rows = AtomicU64::new(0);
         picture.pixels.par_chunks_mut(window.width as usize).enumerate().for_each(|(y, row)| {
-            widest(level, || {
+            widest(level, #[inline(always)] || {
                 for (x, pixel) in row.iter_mut().enumerate() {
                     let at = (window.x + x as u32, window.y + y as u32);
                     sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
@@ -91,6 +96,7 @@ pub fn render<I: Integrator>(
             }
         });
         picture.spp = to;
+        picture.passes += 1;
         // Ray counts are moved to 64 bits before they overflow.
         picture.rays += picture.pixels.iter_mut().map(|p| u64::from(core::mem::take(&mut p.sum.rays))).sum::<u64>();
         if let Budget::Error(target) = budget {
@@ -122,6 +128,8 @@ fn sample_pixel<I: Integrator>(
     indices: core::ops::Range<u32>,
     pixel: &mut Pixel,
 ) {
+    let count = indices.len() as f32;
+    let mut pass = Rgb::ZERO;
     for index in indices {
         let mut sampler = Sampler::new(seed, (x, y), index);
         let ray = camera.ray(x, y, sampler.next_2d());
@@ -130,9 +138,12 @@ fn sample_pixel<I: Integrator>(
             sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
             pixel.surfaces += 1;
         }
-        pixel.squares += (sample.sum().element_sum() * (1.0 / 3.0)).powi(2);
+        let light = sample.sum();
+        pixel.squares += (light.element_sum() * (1.0 / 3.0)).powi(2);
+        pass += light;
         pixel.sum += sample;
     }
+    pixel.pass_squares += pass * pass / count;
 }
 
 /// Samples of the next pass and, where known, of the whole rendering; `None` when the budget is spent.
@@ -159,6 +170,14 @@ fn next_pass(picture: &Picture, budget: Budget, start: Instant) -> Option<(u32, 
 }
 
 impl Picture {
+    /// Variance of a pixel's mean, from the differences between passes, which see the even distribution of the samples
+    /// inside each; `None` with less than two passes.
+    pub fn variance(&self, pixel: &Pixel) -> Option<Rgb> {
+        let (n, degrees) = (self.spp as f32, self.passes.checked_sub(1).filter(|d| *d > 0)? as f32);
+        let sum = pixel.sum.sum();
+        Some((pixel.pass_squares - sum * sum / n).max(Rgb::ZERO) / (degrees * n))
+    }
+
     /// Root of the mean over the pixels of (variance of the pixel's mean)/(mean² + 0.01), in the mean of the channels.
     /// The variance is that of independent samples, so well distributed ones have less error than this says.
     pub fn relative_error(&self) -> f32 {

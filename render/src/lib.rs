@@ -17,3 +17,4 @@ pub mod sampler;
 pub mod scene;
 pub mod tables;
 pub mod world;
+pub mod z_test;

@@ -147,7 +147,7 @@ impl Lights {
     }
 
     /// Samples the light that reaches `receiver`: `u_choice` chooses the light, `u` the place on it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, textures: &[Texture], receiver: &Receiver, u_choice: f32, u: Vec2) -> Option<LightSample> {
         let mut u_choice = u_choice;
         let mut tree_probability = 1.0;
@@ -181,6 +181,7 @@ impl Lights {
         }
     }
 
+    #[inline(always)]
     fn sample_local(
         &self,
         textures: &[Texture],
@@ -209,6 +210,7 @@ impl Lights {
         })
     }
 
+    #[inline(always)]
     fn sample_infinite(&self, receiver: &Receiver, index: usize, probability: f32, u: Vec2) -> LightSample {
         if let Some(&(direction, irradiance)) = self.directional.get(index) {
             let wi = -direction;
