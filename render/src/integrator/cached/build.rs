@@ -338,7 +338,8 @@ impl<'a> Gather<'a> {
                 return Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
             }
             let mut sampler = Sampler::new(seed, key, number);
-            sampler.skip_2d();
+            // The first point is the place in the stratum.
+            sampler.next_2d();
             tracer.incident(at.spawn(direction), &mut sampler, &mut rays)
         });
         self.rays += u64::from(rays);

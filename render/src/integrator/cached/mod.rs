@@ -222,8 +222,8 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             widest(level, || {
                 for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
                     let at = (window.x + x as u32, window.y + y as u32);
-                    let mut sampler = Sampler::new(settings.seed.wrapping_add(1), at, 0);
-                    let indirect = shader.indirect(surfaces, &mut sampler, scratch, &mut rays);
+                    let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
+                    let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
                     if indirect.sum().is_finite() {
                         pixel.sum.indirect = pixel.sum.indirect + indirect;
                     }
@@ -234,7 +234,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             u64::from(rays)
         })
         .sum();
-    Picture { width: window.width, height: window.height, pixels, spp, rays: rays + traced }
+    Picture { width: window.width, height: window.height, pixels, spp, passes: 0, rays: rays + traced }
 }
 
 /// Samples of the next pass that fit into the time, with as much set aside for indirect light as direct light of a pass of
