@@ -75,7 +75,7 @@ pub struct Surface {
 const MAX_SURFACES: usize = 8;
 
 /// Samples of a traced surface whose light is cached for its neighbours only.
-const MIN_TRACED: f32 = 16.0;
+const MIN_TRACED: f32 = 8.0;
 
 impl Shader<'_> {
     /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`].
