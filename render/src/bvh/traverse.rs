@@ -71,9 +71,9 @@ impl<S: Simd> BoxTest<S> {
     #[inline(always)]
     fn new(simd: S, ray: &Ray) -> Self {
         // A direction component near zero is replaced by one whose inverse is finite, so that no 0 · ∞ appears.
-        let inverse = |d: f32| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d };
-        let (o, d) =
-            (ray.origin, Vec3A::new(inverse(ray.direction.x), inverse(ray.direction.y), inverse(ray.direction.z)));
+        let (o, d) = (ray.origin, ray.direction);
+        let tiny = Vec3A::splat(1e-18);
+        let d = Vec3A::select(d.abs().cmplt(tiny), tiny.copysign(d), d).recip();
         let sign = d.is_negative_bitmask() as usize;
         let near = [3 * (sign & 1), 1 + 3 * (sign >> 1 & 1), 2 + 3 * (sign >> 2 & 1)];
         Self {

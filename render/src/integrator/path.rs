@@ -141,12 +141,12 @@ fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
 /// Light from infinity along a ray that meets nothing.
 #[inline]
 fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
-    let light = world.lights.environment(ray.direction) * path.throughput;
     match &path.previous {
-        Some(p) if light != Rgb::ZERO => {
-            light * power_heuristic(p.pdf, world.lights.environment_pdf(&p.receiver, ray.direction))
+        Some(p) => {
+            let (light, pdf) = world.lights.environment_with_pdf(&p.receiver, ray.direction);
+            light * path.throughput * power_heuristic(p.pdf, pdf)
         }
-        _ => light,
+        None => world.lights.environment(ray.direction) * path.throughput,
     }
 }
 
