@@ -71,8 +71,14 @@ pub fn render<I: Integrator>(
     let camera = RayGenerator::new(&world.scene.camera);
     let window = world.scene.camera.film.window();
     let count = window.width as usize * window.height as usize;
-    let mut picture =
-        Picture { width: window.width, height: window.height, pixels: vec![Pixel::default(); count], spp: 0, passes: 0, rays: 0 };
+    let mut picture = Picture {
+        width: window.width,
+        height: window.height,
+        pixels: vec![Pixel::default(); count],
+        spp: 0,
+        passes: 0,
+        rays: 0,
+    };
     let start = Instant::now();
     let level = Level::new();
     loop {
@@ -83,12 +89,16 @@ pub fn render<I: Integrator>(
         let (from, to) = (picture.spp, picture.spp + pass);
         let rows = AtomicU64::new(0);
         picture.pixels.par_chunks_mut(window.width as usize).enumerate().for_each(|(y, row)| {
-            widest(level, #[inline(always)] || {
-                for (x, pixel) in row.iter_mut().enumerate() {
-                    let at = (window.x + x as u32, window.y + y as u32);
-                    sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
-                }
-            });
+            widest(
+                level,
+                #[inline(always)]
+                || {
+                    for (x, pixel) in row.iter_mut().enumerate() {
+                        let at = (window.x + x as u32, window.y + y as u32);
+                        sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
+                    }
+                },
+            );
             let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
             if let Some(end) = end {
                 let part = done as f64 / f64::from(window.height);

@@ -100,8 +100,7 @@ pub fn z_test(image: &Image, noise: &Image, reference: &Image, share: f64) -> Re
     }
     let (w, h) = (size.0 as usize, size.1 as usize);
     let mean = |p: &[f32; 3]| p.iter().map(|x| f64::from(*x)).sum::<f64>() / 3.0;
-    let difference: Vec<f64> =
-        image.pixels.iter().zip(&reference.pixels).map(|(a, b)| mean(a) - mean(b)).collect();
+    let difference: Vec<f64> = image.pixels.iter().zip(&reference.pixels).map(|(a, b)| mean(a) - mean(b)).collect();
     // The channels of a path vary together: the variance of their mean is at most the mean of their variances.
     let own: Vec<f64> = noise.pixels.iter().map(|v| (1.0 + share) * mean(v).max(0.0)).collect();
     let rounding: Vec<f64> = reference.pixels.iter().map(|p| (ROUNDING * mean(p)).powi(2)).collect();

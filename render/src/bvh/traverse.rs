@@ -7,14 +7,14 @@ use glam::Vec3A;
 
 impl TriangleBvh {
     /// Nearest intersection between `ray.t_min` and `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray, hit: &mut Hit, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
         dispatch!(self.level, simd => nearest(simd, self, root, ray, hit, accept))
     }
 
     /// Whether anything of which `accept` approves lies between `ray.t_min` and `ray.t_max`.
-    #[inline]
+    #[inline(always)]
     pub fn occluded(&self, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
         dispatch!(self.level, simd => any(simd, self, root, ray, accept))

@@ -3,10 +3,10 @@
 use super::{Image, ImageError, to_srgb};
 use crate::film::{Picture, Pixel};
 use crate::scene::Rgb;
+use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, SmallVec, WritableImage,
 };
-use exr::meta::attribute::AttributeValue;
 use std::io::{Cursor, Write};
 use std::path::Path;
 

@@ -139,7 +139,7 @@ fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
 }
 
 /// Light from infinity along a ray that meets nothing.
-#[inline]
+#[inline(always)]
 fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
     match &path.previous {
         Some(p) => {
@@ -151,7 +151,7 @@ fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
 }
 
 /// Light of an emitter the path meets.
-#[inline]
+#[inline(always)]
 fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
     let cos = at.normal.dot(at.wo);
     if cos <= 0.0 {
@@ -168,7 +168,7 @@ fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
 }
 
 /// Light of one sampled emitter, if it is in sight.
-#[inline]
+#[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn sample_lights(
     world: &World,
