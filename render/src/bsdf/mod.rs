@@ -206,7 +206,7 @@ impl Bsdf<'_> {
         self.frame.normal().dot(wi).abs()
     }
 
-    #[inline]
+    #[inline(always)]
     fn local_value(&self, wi: Vec3A) -> Value {
         let wo = self.wo;
         // Under a bent normal, a direction must lie on the same side of both normals (as in Mitsuba).

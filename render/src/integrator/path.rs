@@ -139,19 +139,19 @@ fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
 }
 
 /// Light from infinity along a ray that meets nothing.
-#[inline]
+#[inline(always)]
 fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
-    let light = world.lights.environment(ray.direction) * path.throughput;
     match &path.previous {
-        Some(p) if light != Rgb::ZERO => {
-            light * power_heuristic(p.pdf, world.lights.environment_pdf(&p.receiver, ray.direction))
+        Some(p) => {
+            let (light, pdf) = world.lights.environment_with_pdf(&p.receiver, ray.direction);
+            light * path.throughput * power_heuristic(p.pdf, pdf)
         }
-        _ => light,
+        None => world.lights.environment(ray.direction) * path.throughput,
     }
 }
 
 /// Light of an emitter the path meets.
-#[inline]
+#[inline(always)]
 fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
     let cos = at.normal.dot(at.wo);
     if cos <= 0.0 {
@@ -168,7 +168,7 @@ fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
 }
 
 /// Light of one sampled emitter, if it is in sight.
-#[inline]
+#[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn sample_lights(
     world: &World,
