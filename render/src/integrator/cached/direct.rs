@@ -86,11 +86,11 @@ pub fn emission(world: &World, lights: &Lights, at: &Interaction, left: Option<&
 /// Light from infinity along a direction that meets nothing, weighted.
 #[inline]
 pub fn environment(lights: &Lights, direction: Vec3A, left: Option<&Left>) -> Rgb {
-    let light = lights.environment(direction);
     match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
-        Some((left, pdf)) if light != Rgb::ZERO => {
-            light * power_heuristic(pdf, lights.environment_pdf(&left.receiver, direction))
+        Some((left, pdf)) => {
+            let (light, light_pdf) = lights.environment_with_pdf(&left.receiver, direction);
+            light * power_heuristic(pdf, light_pdf)
         }
-        _ => light,
+        None => lights.environment(direction),
     }
 }
