@@ -152,6 +152,24 @@ fn compares() {
 }
 
 #[test]
+fn the_z_test_tells_noise_from_a_difference() {
+    let f = Folder::new();
+    f.ok("image scene.xml -o a.exr --spp 256 --seed 1");
+    f.ok("image scene.xml -o b.exr --spp 512 --seed 2");
+    f.ok("image scene.xml -o lighter.exr --spp 512 --seed 2 -D gray=0.65");
+    let out = f.ok("compare a.exr b.exr --z-test --json");
+    let z: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(z["z_test"]["pixels"]["count"], 24 * 16);
+    assert!(z["z_test"]["pixels"]["deviation"].as_f64().unwrap() > 0.1, "{out}");
+    let (code, out, _) = f.run("compare a.exr lighter.exr --z-test");
+    assert!(code == 1 && out.contains("FAILED"), "{out}");
+    f.ok("image scene.xml -o few.exr --spp 4");
+    f.bad("compare few.exr a.exr --z-test", "no variance layer");
+    f.ok("image scene.xml -o view.png --spp 4");
+    f.bad("compare view.png a.exr --z-test", "no variance layer");
+}
+
+#[test]
 fn mistakes_are_named() {
     let f = Folder::new();
     f.bad("image missing.xml -o a.exr", "missing.xml");

@@ -45,9 +45,9 @@ pub fn read_noise(path: &Path) -> Result<Option<Noise>, ImageError> {
     let meta = check_size(path, &bytes)?;
     let names = ["variance.R", "variance.G", "variance.B"];
     let Some(header) = meta.headers.first() else { return Ok(None) };
-    let has = |name: &&str| header.channels.list.iter().any(|c| c.name.eq(*name));
+    let has = |name: &&str| header.channels.list.iter().any(|c| c.name.eq(name));
     let (true, Some(&AttributeValue::I32(spp))) =
-        (names.iter().all(|n| has(n)), header.own_attributes.other.get(&Text::from(SPP)))
+        (names.iter().all(has), header.own_attributes.other.get(&Text::from(SPP)))
     else {
         return Ok(None);
     };
