@@ -102,6 +102,18 @@ impl RayGenerator {
         }
     }
 
+    /// Where on the whole film a point appears, in pixels from the top left: pixel (x, y) has its middle at (x + ½, y + ½).
+    /// The inverse of [`RayGenerator::ray`]; may lie outside the film, `None` outside the clip planes.
+    pub fn project(&self, p: Vec3A) -> Option<(f32, f32)> {
+        let local = self.to_world.matrix3.inverse() * (p - self.to_world.translation);
+        if local.z <= 0.0 || self.depth(p) < self.clip.0 || self.depth(p) > self.clip.1 {
+            return None;
+        }
+        let film = self.center - Vec2::new(local.x, local.y) / (2.0 * local.z * self.half);
+        let pixel = film / self.inverse_size;
+        pixel.is_finite().then_some((pixel.x, pixel.y))
+    }
+
     /// Depth along the axis of a point on a ray made by [`RayGenerator::ray`].
     #[inline]
     pub fn depth(&self, p: Vec3A) -> f32 {
@@ -123,6 +135,21 @@ mod tests {
         assert!((d / d.z - Vec3A::new(1.0, 0.5, 1.0)).length() < 1e-6, "{d}");
         let d = generator.ray(199, 99, Vec2::ONE).direction;
         assert!((d / d.z - Vec3A::new(-1.0, -0.5, 1.0)).length() < 1e-6, "{d}");
+    }
+
+    #[test]
+    fn projection_undoes_rays() {
+        let film = Film { width: 200, height: 120, crop: None, filter: Filter::Box { radius: 0.5 } };
+        let to_world = Affine3A::from_rotation_y(0.7) * Affine3A::from_translation(glam::Vec3::new(1.0, -2.0, 3.0));
+        let principal_point = Vec2::new(0.1, -0.05);
+        let camera = Camera { fov_x: 1.0, film, to_world, principal_point, ..Camera::default() };
+        let generator = RayGenerator::new(&camera);
+        for (x, y) in [(0, 0), (199, 119), (57, 101)] {
+            let ray = generator.ray(x, y, Vec2::new(0.5, 0.5));
+            let (u, v) = generator.project(ray.origin + 7.0 * ray.direction).unwrap();
+            assert!((u - x as f32 - 0.5).abs() < 1e-2 && (v - y as f32 - 0.5).abs() < 1e-2, "{x} {y}: {u} {v}");
+            assert_eq!(generator.project(ray.origin - 7.0 * ray.direction), None);
+        }
     }
 
     #[test]

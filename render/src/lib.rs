@@ -8,6 +8,7 @@ pub mod film;
 pub mod frame;
 pub mod gather;
 pub mod image;
+pub mod inspect;
 pub mod integrator;
 pub mod light;
 pub mod metric;

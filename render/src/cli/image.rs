@@ -3,7 +3,8 @@
 use anyhow::{Context, Result, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use render::film::{Budget, Picture, render};
-use render::image::write_picture;
+use render::image::{write_picture, write_png};
+use render::inspect::overlay::show_records;
 use render::integrator::PathTracer;
 use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::policy::{Allowed, Policy};
@@ -18,7 +19,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// Largest width or height.
-const MAX_SIZE: u32 = 1 << 15;
+pub(super) const MAX_SIZE: u32 = 1 << 15;
 
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
 const EXR_SECONDS: f64 = 1e-6;
@@ -108,9 +109,13 @@ pub struct Args {
     /// Write figures of the run.
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    /// Write the rendering with its records: dots, and the circles they reach. EAS red, irradiance green, coarse irradiance
+    /// blue.
+    #[arg(long, value_name = "OUT.png")]
+    show_records: Option<PathBuf>,
 }
 
-fn parse_define(text: &str) -> Result<(String, String), String> {
+pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     Ok((name.to_owned(), value.to_owned()))
 }
@@ -171,6 +176,9 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
         figures.bytes / 1000,
         figures.tolerance
     );
+    if let Some(path) = &args.show_records {
+        write_png(path, &show_records(&picture.image(), world, &caches))?;
+    }
     Ok(picture)
 }
 
@@ -223,6 +231,15 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let extension = output.extension().unwrap_or_default().to_ascii_lowercase();
         if extension != "exr" && extension != "png" {
             bail!("{}: the name must end in .exr or .png", output.display());
+        }
+    }
+    if let Some(path) = &args.show_records {
+        ensure!(
+            !matches!(args.method, Method::Path),
+            "--show-records needs --method auto, eas or irradiance: path tracing keeps no records"
+        );
+        if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
+            bail!("{}: the name must end in .png", path.display());
         }
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
@@ -281,11 +298,19 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
 
 /// Applies `--width`, `--height` and `--crop`. A new size drops the crop of the file, whose pixels are others.
 fn change_view(camera: &mut Camera, args: &Args) {
+    resize(camera, args.width, args.height);
+    if let Some(crop) = args.crop {
+        camera.film.crop = Some(crop);
+    }
+}
+
+/// Sets the size of the film; one number alone keeps the aspect.
+pub(super) fn resize(camera: &mut Camera, width: Option<u32>, height: Option<u32>) {
     let film = &mut camera.film;
     let scaled = |x: u32, to: u32, from: u32| {
         ((u64::from(x) * u64::from(to) + u64::from(from) / 2) / u64::from(from)).clamp(1, u64::from(MAX_SIZE)) as u32
     };
-    let (width, height) = match (args.width, args.height) {
+    let (width, height) = match (width, height) {
         (None, None) => (film.width, film.height),
         (Some(w), Some(h)) => (w, h),
         (Some(w), None) => (w, scaled(film.height, w, film.width)),
@@ -294,13 +319,10 @@ fn change_view(camera: &mut Camera, args: &Args) {
     if (width, height) != (film.width, film.height) {
         (film.width, film.height, film.crop) = (width, height, None);
     }
-    if let Some(crop) = args.crop {
-        film.crop = Some(crop);
-    }
 }
 
 /// Renders with a bar and the time left on standard error, where that is a terminal.
-fn with_progress<T>(render: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+pub(super) fn with_progress<T>(render: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
     const STEPS: u64 = 1000;
     let bar = ProgressBar::new(STEPS);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} passed, {eta} left") {

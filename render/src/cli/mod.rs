@@ -2,6 +2,7 @@
 
 mod compare;
 mod image;
+mod probe;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -19,6 +20,8 @@ struct Cli {
 enum Command {
     /// Render a scene.
     Image(image::Args),
+    /// Look into the record of equivalent area lights at a pixel: pictures, tree, errors.
+    Probe(probe::Args),
     /// Measure how far a picture is from its reference.
     Compare(compare::Args),
 }
@@ -27,6 +30,7 @@ enum Command {
 pub fn run() -> ExitCode {
     let result: Result<ExitCode> = match Cli::parse().command {
         Command::Image(args) => image::run(&args),
+        Command::Probe(args) => probe::run(&args),
         Command::Compare(args) => compare::run(&args),
     };
     result.unwrap_or_else(|error| {

@@ -59,8 +59,11 @@ pub(super) fn content(path: &Path, reason: impl ToString) -> ImageError {
     ImageError::Content { path: path.display().to_string(), reason: reason.to_string() }
 }
 
-/// Writes beside the target, then renames.
-fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+/// Writes any file whole or not at all: beside the target, then renames.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let write = || {
         let mut file = tempfile::NamedTempFile::new_in(folder)?;

@@ -145,8 +145,9 @@ pub fn cut(tree: &Tree, reflector: &Reflector, directions: &[Vec3A], settings: &
     }
 }
 
-/// ε_g of eq. 13 as luminance; 0 where nothing is reflected.
-fn global_error(current: &[Rgb], comparison: &[Rgb]) -> f32 {
+/// ε_g of eq. 13 as luminance: RMSE over the mean of the comparison, reflected radiance in as many directions; 0 where
+/// nothing is reflected.
+pub fn global_error(current: &[Rgb], comparison: &[Rgb]) -> f32 {
     let n = current.len().max(1) as f32;
     let (mut squares, mut mean) = (Rgb::ZERO, Rgb::ZERO);
     for (cur, comp) in current.iter().zip(comparison) {

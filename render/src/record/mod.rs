@@ -10,7 +10,7 @@ mod translate;
 mod tree;
 
 pub use cell::{Cell, cap_half_angle};
-pub use cut::{Cut, CutSettings, cut};
+pub use cut::{Cut, CutSettings, cut, global_error};
 pub use guide::{Guide, View, hemisphere_directions};
 pub use reflector::{Albedo, Reflector};
 pub use translate::{Receiver, Reflected, Scratch, reflect};

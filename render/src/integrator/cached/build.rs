@@ -37,13 +37,13 @@ const COVERED: f32 = 0.2;
 
 /// What making records needs.
 pub struct Builder<'a> {
-    world: &'a World,
-    policy: &'a Policy,
-    environment: Option<&'a Environment>,
+    pub(super) world: &'a World,
+    pub(super) policy: &'a Policy,
+    pub(super) environment: Option<&'a Environment>,
     quality: Quality,
-    seed: u64,
+    pub(super) seed: u64,
     /// What the middle of every pixel shows.
-    points: Vec<Option<Point>>,
+    pub(super) points: Vec<Option<Point>>,
     grid: Grid,
     rays: AtomicU64,
 }
@@ -79,12 +79,7 @@ impl<'a> Builder<'a> {
             eas: Cache::new(min, max),
             rays: 0,
         });
-        if depth > 3 {
-            let full = self.tracer(None, None, depth - 2);
-            let quality = (self.quality.coarse_rays, self.quality.coarse);
-            let any = |p: &Point| self.treatment(p) != Treatment::Traced;
-            self.fill_irradiance(&mut caches.coarse, &full, quality, 1, any, deadline, &|x| progress(0.1 * x));
-        }
+        self.fill_coarse(&mut caches.coarse, deadline, &|x| progress(0.1 * x));
         if depth > 2 || (depth == 2 && self.environment.is_some()) {
             let short = self.tracer(Some(&caches.coarse), self.environment, depth - 1);
             let quality = (self.quality.irradiance_rays, self.quality.irradiance);
@@ -97,7 +92,23 @@ impl<'a> Builder<'a> {
         caches
     }
 
-    fn tracer<'c>(
+    /// Fills the cache that ends the paths of the gather; it stays empty where no path is that long.
+    pub(super) fn fill_coarse(
+        &self,
+        cache: &mut Cache<IrradianceRecord>,
+        deadline: Option<Instant>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let depth = self.world.scene.integrator.max_depth;
+        if depth > 3 {
+            let full = self.tracer(None, None, depth - 2);
+            let quality = (self.quality.coarse_rays, self.quality.coarse);
+            let any = |p: &Point| self.treatment(p) != Treatment::Traced;
+            self.fill_irradiance(cache, &full, quality, 1, any, deadline, progress);
+        }
+    }
+
+    pub(super) fn tracer<'c>(
         &self,
         irradiance: Option<&'c Cache<IrradianceRecord>>,
         environment: Option<&'c Environment>,
@@ -110,7 +121,7 @@ impl<'a> Builder<'a> {
         IncidentTracer { world: self.world, irradiance, environment, max_segments, rr_depth }
     }
 
-    fn treatment(&self, point: &Point) -> Treatment {
+    pub(super) fn treatment(&self, point: &Point) -> Treatment {
         self.policy.treatment(point.material.0)
     }
 
@@ -179,7 +190,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The record of what pixel `i` shows, its tree's samples, and the rays they took.
-    fn eas_record(
+    pub(super) fn eas_record(
         &self,
         tracer: &IncidentTracer,
         point: &Point,
@@ -294,7 +305,7 @@ fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f
 }
 
 /// Frame of the hemisphere of a record: that of the surface, but for a normal that a texture bent.
-fn record_frame(point: &Point) -> Frame {
+pub(super) fn record_frame(point: &Point) -> Frame {
     let normal = point.hemisphere_normal();
     if normal.dot(point.frame.normal()) > 0.9999 { point.frame } else { Frame::from_normal(normal) }
 }
@@ -310,16 +321,16 @@ fn best_weight<R: Record>(cache: &Cache<R>, position: Vec3A, normal: Vec3A, weig
 const MAX_CHAIN: u32 = 16;
 
 /// Gathers at one point: every sample has its own sample points, all are well distributed together.
-struct Gather<'a> {
+pub(super) struct Gather<'a> {
     tracer: &'a IncidentTracer<'a>,
     point: &'a Point,
     seed: u64,
     key: (u32, u32),
-    rays: u64,
+    pub(super) rays: u64,
 }
 
 impl<'a> Gather<'a> {
-    fn new(tracer: &'a IncidentTracer<'a>, point: &'a Point, seed: u64, salt: u64, pixel: u32) -> Self {
+    pub(super) fn new(tracer: &'a IncidentTracer<'a>, point: &'a Point, seed: u64, salt: u64, pixel: u32) -> Self {
         let seed = seed.wrapping_add(salt.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         Self { tracer, point, seed, key: (pixel, salt as u32), rays: 0 }
     }
@@ -351,7 +362,7 @@ impl<'a> Gather<'a> {
         self.run(|point, incident| IrradianceRecord::gather(position, frame, strata, point, incident))
     }
 
-    fn uniform(&mut self, frame: &Frame, count: u32) -> Vec<GatherSample> {
+    pub(super) fn uniform(&mut self, frame: &Frame, count: u32) -> Vec<GatherSample> {
         self.run(|point, incident| gather_uniform(frame, count, point, incident))
     }
 

@@ -6,6 +6,7 @@ pub mod file;
 mod incident;
 mod points;
 pub mod policy;
+mod probe;
 mod settings;
 mod shade;
 
@@ -21,9 +22,11 @@ use file::Loaded;
 pub use incident::IncidentTracer;
 pub use points::{PixelCone, Point};
 use policy::Policy;
+pub use probe::{Probe, ProbeError};
 use rayon::prelude::*;
 pub use settings::{Quality, TOLERANCE};
-use shade::{LightSplit, Shader, Surface};
+pub use shade::LightSplit;
+use shade::{Shader, Surface};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 

@@ -1,0 +1,118 @@
+//! One record under the lens: made where a pixel looks, with everything that went into it.
+
+use super::build::{Builder, Gather, record_frame};
+use super::points::Point;
+use super::policy::{Lobe, Treatment};
+use crate::cache::Cache;
+use crate::frame::Frame;
+use crate::gather::GatherSample;
+use crate::record::Reflector;
+use crate::record::eas::EasRecord;
+use crate::scene::Rgb;
+use thiserror::Error;
+
+/// Why there is nothing to inspect at a pixel.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ProbeError {
+    /// Outside the film or its crop.
+    #[error("pixel {0},{1} is outside the film: x from {2} to {3}, y from {4} to {5}")]
+    Outside(u32, u32, u32, u32, u32, u32),
+    /// No surface.
+    #[error("pixel {0},{1} shows no surface")]
+    Nothing(u32, u32),
+    /// A surface of a material without table.
+    #[error("pixel {0},{1} shows {2}, which has no EAS records ({3}); choose a pixel on a glossy surface")]
+    NoTable(u32, u32, String, &'static str),
+    /// Paths too short for any light in records.
+    #[error("records hold no light with max_depth = {0}; render with more")]
+    NoLight(u32),
+}
+
+/// What a pixel shows, gathered twice: as the 2015 paper does, and guided by the views.
+#[derive(Clone, Debug)]
+pub struct Probe<'a> {
+    /// The surface.
+    pub point: Point,
+    /// Frame of the record.
+    pub frame: Frame,
+    /// Table of the material.
+    pub lobe: &'a Lobe,
+    /// Albedo of the Lambertian part, as the pixel's view sees it.
+    pub diffuse: Rgb,
+    /// Factor on the specular part.
+    pub specular: Rgb,
+    /// Stratified samples, uniform in solid angle.
+    pub uniform: Vec<GatherSample>,
+    /// The record of a rendering of this quality.
+    pub guided: EasRecord,
+    /// The samples it was made of.
+    pub guided_samples: Vec<GatherSample>,
+    /// Rays traced for both records.
+    pub rays: u64,
+}
+
+impl Probe<'_> {
+    /// Table and colours.
+    pub fn reflector(&self) -> Reflector<'_> {
+        Reflector { table: &self.lobe.table, diffuse: self.diffuse, specular: self.specular }
+    }
+}
+
+impl Builder<'_> {
+    /// Makes records at the very point that the middle of `pixel` (of the whole film) shows: what any fill would make there,
+    /// secondary hits answered by the same coarse irradiance cache. `count` samples are gathered uniformly.
+    ///
+    /// # Errors
+    /// A pixel without a surface that EAS records can hold.
+    pub fn probe(
+        &self,
+        (x, y): (u32, u32),
+        count: u32,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Probe<'_>, ProbeError> {
+        let scene = &self.world.scene;
+        let window = scene.camera.film.window();
+        let (right, bottom) = (window.x + window.width - 1, window.y + window.height - 1);
+        if !(window.x..=right).contains(&x) || !(window.y..=bottom).contains(&y) {
+            return Err(ProbeError::Outside(x, y, window.x, right, window.y, bottom));
+        }
+        let i = ((y - window.y) * window.width + x - window.x) as usize;
+        let point = self.points[i].as_ref().ok_or(ProbeError::Nothing(x, y))?;
+        let no_table = |reason| {
+            let name = scene.material_names.get(point.material.0 as usize).filter(|n| !n.is_empty());
+            let name = name.map_or_else(|| format!("material {}", point.material.0), |n| format!("material `{n}`"));
+            ProbeError::NoTable(x, y, name, reason)
+        };
+        let lobe = match self.treatment(point) {
+            Treatment::Eas { lobe, .. } => &self.policy.lobes[lobe],
+            Treatment::Irradiance => return Err(no_table("it is diffuse: an irradiance record serves it")),
+            Treatment::Traced => return Err(no_table("it is path traced")),
+        };
+        let depth = scene.integrator.max_depth;
+        if depth < 2 || (depth == 2 && self.environment.is_none()) {
+            return Err(ProbeError::NoLight(depth));
+        }
+        let (min, max) = self.world.bounds();
+        let mut coarse = Cache::new(min, max);
+        self.fill_coarse(&mut coarse, None, progress);
+        let tracer = self.tracer(Some(&coarse), self.environment, depth - 1);
+        let frame = record_frame(point);
+        let parts = self.world.bsdf(&point.at).parts().ok_or_else(|| no_table("its model has no separate lobe"))?;
+        let mut gather = Gather::new(&tracer, point, self.seed, 3, i as u32);
+        let uniform = gather.uniform(&frame, count);
+        let made = self.eas_record(&tracer, point, i);
+        let (guided, guided_samples, rays) = made.ok_or_else(|| no_table("its model has no separate lobe"))?;
+        let rays = rays + gather.rays;
+        Ok(Probe {
+            point: *point,
+            frame,
+            lobe,
+            diffuse: parts.diffuse,
+            specular: parts.specular,
+            uniform,
+            guided,
+            guided_samples,
+            rays,
+        })
+    }
+}
