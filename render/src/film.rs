@@ -3,6 +3,7 @@
 use crate::camera::RayGenerator;
 use crate::integrator::{Integrator, Radiance};
 use crate::sampler::Sampler;
+use crate::scene::Rgb;
 use crate::world::World;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
@@ -27,6 +28,8 @@ pub struct Pixel {
     pub sum: Radiance,
     /// Sum of the squares of the samples' mean channel.
     pub squares: f32,
+    /// Over the passes, sum of (the samples' sum)² / (their number).
+    pub pass_squares: Rgb,
     /// Number of samples that met a surface.
     pub surfaces: u32,
 }
@@ -42,6 +45,8 @@ pub struct Picture {
     pub pixels: Vec<Pixel>,
     /// Samples of every pixel.
     pub spp: u32,
+    /// Passes that took them.
+    pub passes: u32,
     /// Rays traced.
     pub rays: u64,
 }
@@ -66,8 +71,14 @@ pub fn render<I: Integrator>(
     let camera = RayGenerator::new(&world.scene.camera);
     let window = world.scene.camera.film.window();
     let count = window.width as usize * window.height as usize;
-    let mut picture =
-        Picture { width: window.width, height: window.height, pixels: vec![Pixel::default(); count], spp: 0, rays: 0 };
+    let mut picture = Picture {
+        width: window.width,
+        height: window.height,
+        pixels: vec![Pixel::default(); count],
+        spp: 0,
+        passes: 0,
+        rays: 0,
+    };
     let start = Instant::now();
     let level = Level::new();
     loop {
@@ -78,12 +89,16 @@ pub fn render<I: Integrator>(
         let (from, to) = (picture.spp, picture.spp + pass);
         let rows = AtomicU64::new(0);
         picture.pixels.par_chunks_mut(window.width as usize).enumerate().for_each(|(y, row)| {
-            widest(level, || {
-                for (x, pixel) in row.iter_mut().enumerate() {
-                    let at = (window.x + x as u32, window.y + y as u32);
-                    sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
-                }
-            });
+            widest(
+                level,
+                #[inline(always)]
+                || {
+                    for (x, pixel) in row.iter_mut().enumerate() {
+                        let at = (window.x + x as u32, window.y + y as u32);
+                        sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
+                    }
+                },
+            );
             let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
             if let Some(end) = end {
                 let part = done as f64 / f64::from(window.height);
@@ -91,6 +106,7 @@ pub fn render<I: Integrator>(
             }
         });
         picture.spp = to;
+        picture.passes += 1;
         // Ray counts are moved to 64 bits before they overflow.
         picture.rays += picture.pixels.iter_mut().map(|p| u64::from(core::mem::take(&mut p.sum.rays))).sum::<u64>();
         if let Budget::Error(target) = budget {
@@ -102,13 +118,13 @@ pub fn render<I: Integrator>(
 
 /// Runs `f`, compiled for AVX2 where the machine has it: scalar code gains from its encodings and fused operations.
 #[inline(always)]
-fn widest(level: Level, f: impl FnOnce()) {
+pub(crate) fn widest<T>(level: Level, f: impl FnOnce() -> T) -> T {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(avx2) = level.as_avx2() {
         return avx2.vectorize(f);
     }
     let _ = level;
-    f();
+    f()
 }
 
 /// Adds the samples of the given indices to a pixel.
@@ -122,6 +138,8 @@ fn sample_pixel<I: Integrator>(
     indices: core::ops::Range<u32>,
     pixel: &mut Pixel,
 ) {
+    let count = indices.len() as f32;
+    let mut pass = Rgb::ZERO;
     for index in indices {
         let mut sampler = Sampler::new(seed, (x, y), index);
         let ray = camera.ray(x, y, sampler.next_2d());
@@ -130,9 +148,12 @@ fn sample_pixel<I: Integrator>(
             sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
             pixel.surfaces += 1;
         }
-        pixel.squares += (sample.sum().element_sum() * (1.0 / 3.0)).powi(2);
+        let light = sample.sum();
+        pixel.squares += (light.element_sum() * (1.0 / 3.0)).powi(2);
+        pass += light;
         pixel.sum += sample;
     }
+    pixel.pass_squares += pass * pass / count;
 }
 
 /// Samples of the next pass and, where known, of the whole rendering; `None` when the budget is spent.
@@ -159,6 +180,14 @@ fn next_pass(picture: &Picture, budget: Budget, start: Instant) -> Option<(u32, 
 }
 
 impl Picture {
+    /// Variance of a pixel's mean, from the differences between passes, which see the even distribution of the samples
+    /// inside each; `None` with less than two passes.
+    pub fn variance(&self, pixel: &Pixel) -> Option<Rgb> {
+        let (n, degrees) = (self.spp as f32, self.passes.checked_sub(1).filter(|d| *d > 0)? as f32);
+        let sum = pixel.sum.sum();
+        Some((pixel.pass_squares - sum * sum / n).max(Rgb::ZERO) / (degrees * n))
+    }
+
     /// Root of the mean over the pixels of (variance of the pixel's mean)/(mean² + 0.01), in the mean of the channels.
     /// The variance is that of independent samples, so well distributed ones have less error than this says.
     pub fn relative_error(&self) -> f32 {

@@ -18,3 +18,4 @@ pub mod sampler;
 pub mod scene;
 pub mod tables;
 pub mod world;
+pub mod z_test;

@@ -152,6 +152,24 @@ fn compares() {
 }
 
 #[test]
+fn the_z_test_tells_noise_from_a_difference() {
+    let f = Folder::new();
+    f.ok("image scene.xml -o a.exr --spp 256 --seed 1");
+    f.ok("image scene.xml -o b.exr --spp 512 --seed 2");
+    f.ok("image scene.xml -o lighter.exr --spp 512 --seed 2 -D gray=0.65");
+    let out = f.ok("compare a.exr b.exr --z-test --json");
+    let z: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(z["z_test"]["pixels"]["count"], 24 * 16);
+    assert!(z["z_test"]["pixels"]["deviation"].as_f64().unwrap() > 0.1, "{out}");
+    let (code, out, _) = f.run("compare a.exr lighter.exr --z-test");
+    assert!(code == 1 && out.contains("FAILED"), "{out}");
+    f.ok("image scene.xml -o few.exr --spp 4");
+    f.bad("compare few.exr a.exr --z-test", "no variance layer");
+    f.ok("image scene.xml -o view.png --spp 4");
+    f.bad("compare view.png a.exr --z-test", "no variance layer");
+}
+
+#[test]
 fn mistakes_are_named() {
     let f = Folder::new();
     f.bad("image missing.xml -o a.exr", "missing.xml");
@@ -175,4 +193,46 @@ fn mistakes_are_named() {
     f.bad("compare a.exr a.exr --fail-above x", "--fail-above");
     f.bad("compare a.exr a.exr --false-color c.exr", ".png");
     f.bad("compare a.txt a.txt", ".exr, .png or .hdr");
+}
+
+const GLOSSY: &str = r#"<scene version="3.0.0">
+    <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+    <sensor type="perspective">
+        <transform name="to_world"><lookat origin="0, 1, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/><rfilter type="box"/></film>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>
+    <shape type="sphere"><bsdf type="phong"><float name="exponent" value="30"/></bsdf></shape>
+</scene>"#;
+
+/// A missing table is fitted and kept; the second run has no more to fit; both pictures appear, and so do the figures.
+#[test]
+fn cached_pictures_fit_what_they_need() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    let run = "image glossy.xml --method eas --spp 2 --tau 0.1 --tables made -o a.exr -o a.png --stats s.json";
+    let (code, _, err) = folder.run(run);
+    assert!(code == 0 && err.contains("fitted phong") && err.contains("EAS records"), "{err}");
+    assert_eq!(std::fs::read_dir(folder.path("made")).unwrap().count(), 1);
+    let (_, _, again) = folder.run(run);
+    assert!(!again.contains("fitted"), "{again}");
+    assert!(folder.path("a.png").exists());
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("s.json")).unwrap()).unwrap();
+    assert_eq!(stats["method"], "eas");
+    assert!(stats["records"].as_u64() > Some(0) && stats["eas_mean"].as_f64() > Some(1.0), "{stats}");
+    assert!(stats["bytes_per_record"].as_f64() < Some(16_000.0) && stats["seconds"]["fill"].as_f64() > Some(0.0));
+}
+
+#[test]
+fn what_caches_cannot_do_is_refused() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    std::fs::create_dir(folder.path("bad")).unwrap();
+    std::fs::write(folder.path("bad/x.tbl"), "no table").unwrap();
+    std::fs::write(folder.path("x.cache"), "no cache").unwrap();
+    folder.bad("image glossy.xml --method eas --error 0.1 -o a.png", "--error");
+    folder.bad("image glossy.xml --method eas --tau 0 -o a.png", "--tau");
+    folder.bad("image glossy.xml --method eas --tables bad -o a.png", "x.tbl");
+    folder.bad("image glossy.xml --method eas --tables made --cache x.cache -o a.png", "x.cache");
+    folder.bad("image glossy.xml --method eas -o a.jpg", ".png");
 }

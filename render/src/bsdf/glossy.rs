@@ -32,7 +32,7 @@ impl Glossy {
         Self { diffuse, specular, lobe, p_diffuse }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn value(&self, wo: Vec3A, wi: Vec3A) -> Value {
         let (f, pdf) = match &self.lobe {
             // The density of the cosine lobe is f (n+1)/(n+2).
@@ -49,7 +49,7 @@ impl Glossy {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3A, choice: f32, u: Vec2) -> Option<Scatter> {
         if choice < self.p_diffuse {
             return Some(Scatter::Direction(cosine_hemisphere(u)));

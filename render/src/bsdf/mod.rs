@@ -194,14 +194,8 @@ impl Bsdf<'_> {
         matches!(self.model, Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_))
     }
 
-    /// Whether [`Bsdf::sample`] looks at its `choice`.
-    #[inline]
-    pub fn has_parts(&self) -> bool {
-        !matches!(self.model, Model::Absorb | Model::Diffuse(_) | Model::Mirror(_) | Model::RoughMetal(_))
-    }
-
     /// f_r and density for light from the world direction `wi`.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wi: Vec3A) -> Value {
         self.local_value(self.frame.to_local(wi))
     }
@@ -212,7 +206,7 @@ impl Bsdf<'_> {
         self.frame.normal().dot(wi).abs()
     }
 
-    #[inline]
+    #[inline(always)]
     fn local_value(&self, wi: Vec3A) -> Value {
         let wo = self.wo;
         // Under a bent normal, a direction must lie on the same side of both normals (as in Mitsuba).
@@ -241,7 +235,7 @@ impl Bsdf<'_> {
     }
 
     /// Samples a direction for light; `choice` chooses among parts. `None` where the sample is lost.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<Sample> {
         let wo = self.wo;
         if self.only_reflects() && wo.z <= 0.0 {

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3A};
 
 impl World {
     /// Scattering at a point of a surface.
-    #[inline]
+    #[inline(always)]
     pub fn bsdf(&self, at: &Interaction) -> Bsdf<'_> {
         let mut id = at.material;
         let mut frame = if self.needs_tangents(id) {

@@ -7,14 +7,14 @@ use glam::Vec3A;
 
 impl TriangleBvh {
     /// Nearest intersection between `ray.t_min` and `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray, hit: &mut Hit, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
         dispatch!(self.level, simd => nearest(simd, self, root, ray, hit, accept))
     }
 
     /// Whether anything of which `accept` approves lies between `ray.t_min` and `ray.t_max`.
-    #[inline]
+    #[inline(always)]
     pub fn occluded(&self, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
         dispatch!(self.level, simd => any(simd, self, root, ray, accept))
@@ -71,9 +71,9 @@ impl<S: Simd> BoxTest<S> {
     #[inline(always)]
     fn new(simd: S, ray: &Ray) -> Self {
         // A direction component near zero is replaced by one whose inverse is finite, so that no 0 · ∞ appears.
-        let inverse = |d: f32| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d };
-        let (o, d) =
-            (ray.origin, Vec3A::new(inverse(ray.direction.x), inverse(ray.direction.y), inverse(ray.direction.z)));
+        let (o, d) = (ray.origin, ray.direction);
+        let tiny = Vec3A::splat(1e-18);
+        let d = Vec3A::select(d.abs().cmplt(tiny), tiny.copysign(d), d).recip();
         let sign = d.is_negative_bitmask() as usize;
         let near = [3 * (sign & 1), 1 + 3 * (sign >> 1 & 1), 2 + 3 * (sign >> 2 & 1)];
         Self {

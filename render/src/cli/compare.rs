@@ -1,8 +1,9 @@
 //! `render compare`.
 
 use anyhow::{Context, Result, bail};
-use render::image::{read, write_png};
+use render::image::{Image, read, read_noise, write_png};
 use render::metric::{Comparison, compare, false_color};
+use render::z_test::{ZScores, ZTest, z_test};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,12 +18,57 @@ pub struct Args {
     /// Write the error of every pixel in false colours.
     #[arg(long, value_name = "OUT.png")]
     false_color: Option<PathBuf>,
+    /// Judge the differences by the noise: needs an EXR of `render image`, which holds the variance of every pixel.
+    /// Exit with 1 if they are larger than chance allows.
+    #[arg(long)]
+    z_test: bool,
+    /// Samples per pixel of the reference, for its share of the noise [default: what an EXR of `render image` says,
+    /// otherwise no noise].
+    #[arg(long, value_name = "N", requires = "z_test", value_parser = clap::value_parser!(u32).range(1..))]
+    reference_spp: Option<u32>,
     /// Print the figures as JSON.
     #[arg(long)]
     json: bool,
     /// Exit with 1 if rel_mse is above this.
     #[arg(long, value_name = "REL_MSE")]
     fail_above: Option<f64>,
+}
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Report {
+    #[serde(flatten)]
+    figures: Comparison,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    z_test: Option<ZTest>,
+}
+
+/// The z-test of two pictures with what their files say of their noise.
+fn judge(args: &Args, image: &Image, reference: &Image) -> Result<ZTest> {
+    let Some(noise) = read_noise(&args.image)? else {
+        bail!(
+            "{}: no variance layer; --z-test needs an EXR of `render image` with more than 16 samples per pixel",
+            args.image.display()
+        );
+    };
+    let reference_spp = match args.reference_spp {
+        Some(n) => Some(n),
+        None => read_noise(&args.reference)?.map(|n| n.spp),
+    };
+    let share = reference_spp.map_or(0.0, |n| f64::from(noise.spp) / f64::from(n));
+    z_test(image, &noise.variance, reference, share)
+        .with_context(|| format!("{} and {}", args.image.display(), args.reference.display()))
+}
+
+/// A line of figures for people.
+fn table(name: &str, z: &ZScores) -> String {
+    let ZScores { count, mean, deviation, beyond_3, max, limit } = *z;
+    let verdict = if z.passed() { "passed" } else { "FAILED" };
+    format!(
+        "z of {count} {name}: mean {mean:+.3}, deviation {deviation:.3}, beyond 3: {:.3} % (normal: 0.270 %), \
+         max {max:.2} (limit {limit:.2}): {verdict}\n",
+        100.0 * beyond_3
+    )
 }
 
 /// Compares, prints, and judges.
@@ -39,19 +85,24 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         }
         write_png(path, &false_color(&image, &reference).with_context(place)?)?;
     }
+    let z_test = if args.z_test { Some(judge(args, &image, &reference)?) } else { None };
     let text = if args.json {
-        serde_json::to_string(&figures)? + "\n"
+        serde_json::to_string(&Report { figures, z_test })? + "\n"
     } else {
         let Comparison { rmse, rel_mse, bias, max, flip } = figures;
         format!(
             "rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}\n"
         )
     };
+    let text = match &z_test {
+        Some(z) if !args.json => text + &table("pixels", &z.pixels) + &table("blocks", &z.blocks),
+        _ => text,
+    };
     // A reader that has seen enough is no error.
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => return Err(e).context("standard output"),
         _ => {}
     }
-    let failed = args.fail_above.is_some_and(|limit| figures.rel_mse > limit);
+    let failed = args.fail_above.is_some_and(|limit| figures.rel_mse > limit) || z_test.is_some_and(|z| !z.passed());
     Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

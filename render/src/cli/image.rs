@@ -6,8 +6,9 @@ use render::film::{Budget, Picture, render};
 use render::image::{write_picture, write_png};
 use render::inspect::overlay::show_records;
 use render::integrator::PathTracer;
+use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Figures, Settings, render_cached};
+use render::integrator::cached::{Figures, Settings, TOLERANCE, render_cached};
 use render::record::eas::Estimator;
 use render::scene::{Camera, Crop, Scene, load};
 use render::tables::Tables;
@@ -53,9 +54,9 @@ impl Method {
 pub struct Args {
     /// Scene: Mitsuba XML or glTF.
     scene: PathBuf,
-    /// Picture to write: .exr (linear, with layers) or .png (sRGB view).
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
+    #[arg(short, long, value_name = "OUT", required = true)]
+    output: Vec<PathBuf>,
     /// How to render.
     #[arg(long, value_enum, default_value_t = Method::Path)]
     method: Method,
@@ -69,6 +70,9 @@ pub struct Args {
     /// Folder of fitted tables; what is missing is fitted and kept there.
     #[arg(long, value_name = "DIR", default_value = "tables")]
     tables: PathBuf,
+    /// Keep records in this file: read where it exists, written at the end. The same camera gives the same picture.
+    #[arg(long, value_name = "FILE", conflicts_with = "time")]
+    cache: Option<PathBuf>,
     /// Samples per pixel [default: what the scene asks for].
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = clap::value_parser!(u32).range(1..=1 << 22))]
     spp: Option<u32>,
@@ -147,8 +151,18 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
         seed: args.seed,
         indirect_only: args.indirect_only,
     };
+    let tolerance = args.tau.unwrap_or(TOLERANCE);
+    let mut kept = None;
+    if let Some(path) = args.cache.as_ref().filter(|p| p.exists()) {
+        let loaded = file::load(path, world, &policy, &settings, tolerance);
+        kept = Some(loaded.map_err(|e: CacheFileError| anyhow::anyhow!("{}: {e}", path.display()))?);
+    }
     let (picture, figures, caches) =
-        pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, progress)));
+        pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, kept, progress)));
+    if let Some(path) = &args.cache {
+        file::save(path, world, &policy, &settings, tolerance, &caches)
+            .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
+    }
     stats.take(&figures, tables.fitting);
     eprintln!(
         "render: {:.2} s to fill, {:.2} s to shade; {} EAS records of {:.0} sources and {:.0} bytes, {} irradiance records; \
@@ -213,9 +227,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(error) = args.error {
         ensure!(error > 0.0 && error.is_finite(), "--error needs a number > 0");
     }
-    let extension = args.output.extension().unwrap_or_default().to_ascii_lowercase();
-    if extension != "exr" && extension != "png" {
-        bail!("{}: the name must end in .exr or .png", args.output.display());
+    for output in &args.output {
+        let extension = output.extension().unwrap_or_default().to_ascii_lowercase();
+        if extension != "exr" && extension != "png" {
+            bail!("{}: the name must end in .exr or .png", output.display());
+        }
     }
     if let Some(path) = &args.show_records {
         ensure!(
@@ -252,7 +268,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         _ => cached(args, &world, budget, &pool, &mut stats)?,
     };
     let writing = Instant::now();
-    write_picture(&args.output, &picture)?;
+    for output in &args.output {
+        write_picture(output, &picture)?;
+    }
     stats.seconds.shade += writing.elapsed().as_secs_f64();
     (stats.rays, stats.spp) = (picture.rays, picture.spp);
     stats.seconds.total = start.elapsed().as_secs_f64();
@@ -267,11 +285,9 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
     match (args.spp, args.time, args.error) {
         (_, Some(seconds), _) => {
             let film = scene.camera.film.window();
-            let per_pixel = if args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-                EXR_SECONDS
-            } else {
-                PNG_SECONDS
-            };
+            let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+            let exrs = args.output.iter().filter(exr).count();
+            let per_pixel = EXR_SECONDS * exrs as f64 + PNG_SECONDS * (args.output.len() - exrs) as f64;
             let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
             Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
         }

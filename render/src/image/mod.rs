@@ -5,7 +5,7 @@ mod write;
 
 use thiserror::Error;
 
-pub use read::read;
+pub use read::{read, read_noise};
 pub use write::{write_picture, write_png, write_whole};
 
 /// Linear RGB, row by row from the top.

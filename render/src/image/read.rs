@@ -1,8 +1,10 @@
 //! EXR, PNG and HDR files as linear RGB. Sizes are checked before anything is allocated.
 
-use super::write::{content, extension};
+use super::write::{SPP, content, extension};
 use super::{Image, ImageError, from_srgb};
-use exr::prelude::{ReadChannels, ReadLayers};
+use crate::z_test::Noise;
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -31,8 +33,54 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
     }
 }
 
-fn read_exr(path: &Path, bytes: &[u8]) -> Result<Image, ImageError> {
-    // The reader allocates what the header says: look at it first.
+/// Reads the layer `variance` of an EXR by `render image`; `None` where there is none.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_noise(path: &Path) -> Result<Option<Noise>, ImageError> {
+    if extension(path) != "exr" {
+        return Ok(None);
+    }
+    let bytes = std::fs::read(path).map_err(|source| ImageError::Io { path: path.display().to_string(), source })?;
+    let meta = check_size(path, &bytes)?;
+    let names = ["variance.R", "variance.G", "variance.B"];
+    let Some(header) = meta.headers.first() else { return Ok(None) };
+    let has = |name: &&str| header.channels.list.iter().any(|c| c.name.eq(name));
+    let (true, Some(&AttributeValue::I32(spp))) =
+        (names.iter().all(has), header.own_attributes.other.get(&Text::from(SPP)))
+    else {
+        return Ok(None);
+    };
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required(names[0])
+        .required(names[1])
+        .required(names[2])
+        .collect_pixels(
+            |size, _| blank(size),
+            |image: &mut Image, at, (r, g, b): (f32, f32, f32)| {
+                image.pixels[at.y() * image.width as usize + at.x()] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(&bytes[..]))
+        .map_err(|e| content(path, e))?;
+    let variance = image.layer_data.channel_data.pixels;
+    if spp < 1 || !variance.pixels.iter().flatten().all(|v| *v >= 0.0 && v.is_finite()) {
+        return Err(content(path, "the variance is not one"));
+    }
+    Ok(Some(Noise { variance, spp: spp as u32 }))
+}
+
+fn blank(size: exr::math::Vec2<usize>) -> Image {
+    Image { width: size.x() as u32, height: size.y() as u32, pixels: vec![[0.0; 3]; size.area()] }
+}
+
+/// The reader allocates what the header says: look at it first.
+fn check_size(path: &Path, bytes: &[u8]) -> Result<exr::meta::MetaData, ImageError> {
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| content(path, e))?;
     let size =
         |h: &exr::meta::header::Header| (h.layer_size.area() as u64).saturating_mul(4 * h.channels.list.len() as u64);
@@ -40,11 +88,12 @@ fn read_exr(path: &Path, bytes: &[u8]) -> Result<Image, ImageError> {
     if total > MAX_BYTES || meta.headers.iter().any(|h| h.layer_size.area() as u64 > MAX_PIXELS) {
         return Err(content(path, format!("{total} bytes of pixels are too many")));
     }
-    let create = |size: exr::math::Vec2<usize>, _: &_| Image {
-        width: size.x() as u32,
-        height: size.y() as u32,
-        pixels: vec![[0.0; 3]; size.area()],
-    };
+    Ok(meta)
+}
+
+fn read_exr(path: &Path, bytes: &[u8]) -> Result<Image, ImageError> {
+    check_size(path, bytes)?;
+    let create = |size: exr::math::Vec2<usize>, _: &_| blank(size);
     let set = |image: &mut Image, at: exr::math::Vec2<usize>, (r, g, b, _): (f32, f32, f32, f32)| {
         image.pixels[at.y() * image.width as usize + at.x()] = [r, g, b];
     };

@@ -3,6 +3,7 @@
 use super::{Image, ImageError, to_srgb};
 use crate::film::{Picture, Pixel};
 use crate::scene::Rgb;
+use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, SmallVec, WritableImage,
 };
@@ -78,6 +79,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     write().map(drop).map_err(|source| ImageError::Io { path: path.display().to_string(), source })
 }
 
+/// Attribute of an EXR: samples per pixel.
+pub(super) const SPP: &str = "spp";
+
 /// Name and sum of a coloured layer.
 type ColorLayer = (&'static str, fn(&Pixel) -> Rgb);
 
@@ -102,12 +106,19 @@ fn exr_bytes(path: &Path, picture: &Picture) -> Result<Vec<u8>, ImageError> {
             add(&format!("{layer}{channel}"), &|p| color(p)[i] * scale);
         }
     }
+    if picture.passes > 1 {
+        for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            add(&format!("variance.{channel}"), &|p| picture.variance(p).unwrap_or_default()[i]);
+        }
+    }
     for (i, channel) in ["X", "Y", "Z"].into_iter().enumerate() {
         add(&format!("normal.{channel}"), &|p| p.sum.normal.normalize_or_zero()[i]);
     }
     // The mean depth of the samples that met a surface.
     add("depth.Z", &|p| if p.surfaces > 0 { p.sum.distance / p.surfaces as f32 } else { f32::INFINITY });
-    let attributes = LayerAttributes::default();
+    let mut attributes = LayerAttributes::default();
+    // One attribute of our own: the order of several would change from run to run.
+    attributes.other.insert(SPP.into(), AttributeValue::I32(picture.spp as i32));
     let size = (picture.width as usize, picture.height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut out = Cursor::new(Vec::new());

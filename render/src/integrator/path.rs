@@ -66,7 +66,6 @@ impl Integrator for PathTracer {
             Path { out: Radiance::default(), throughput: Rgb::ONE, diffuse_share: Rgb::ZERO, eta: 1.0, previous: None };
         let mut ray = ray;
         let mut segments = 0;
-        let many_lights = world.lights.count() > 1;
         while segments < self.settings.max_depth {
             segments += 1;
             // Follow the ray, and add what it meets that shines.
@@ -100,12 +99,12 @@ impl Integrator for PathTracer {
             }
             // Sample the lights.
             let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
-            let choice = if many_lights || bsdf.has_parts() { sampler.next_2d() } else { skipped(sampler) };
+            let [choice, u_light, u_scattering, u_roulette] = sampler.next_4x2d();
             if !bsdf.is_delta() && (segments > 1 || !self.indirect_only) {
-                sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, sampler, &mut path);
+                sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, u_light, &mut path);
             }
             // Sample the scattering, and go on.
-            let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
+            let Some(sample) = bsdf.sample(choice.y, u_scattering) else { break };
             let weight = sample.weight.sum();
             if segments == 1 {
                 path.diffuse_share = (sample.weight.diffuse / weight.max(Rgb::splat(f32::MIN_POSITIVE))).min(Rgb::ONE);
@@ -117,7 +116,7 @@ impl Integrator for PathTracer {
             let mut survival = path.throughput.max_element();
             if segments >= self.settings.rr_depth {
                 survival = (survival * path.eta * path.eta).min(0.95);
-                if sampler.next_1d() >= survival {
+                if u_roulette.x >= survival {
                     break;
                 }
                 path.throughput /= survival;
@@ -131,13 +130,6 @@ impl Integrator for PathTracer {
     }
 }
 
-/// Two dimensions nobody asks for.
-#[inline]
-fn skipped(sampler: &mut Sampler) -> Vec2 {
-    sampler.skip_2d();
-    Vec2::ZERO
-}
-
 /// Albedo, normal and distance of the first surface.
 fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
     out.albedo = bsdf.albedo();
@@ -147,19 +139,19 @@ fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
 }
 
 /// Light from infinity along a ray that meets nothing.
-#[inline]
+#[inline(always)]
 fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
-    let light = world.lights.environment(ray.direction) * path.throughput;
     match &path.previous {
-        Some(p) if light != Rgb::ZERO => {
-            light * power_heuristic(p.pdf, world.lights.environment_pdf(&p.receiver, ray.direction))
+        Some(p) => {
+            let (light, pdf) = world.lights.environment_with_pdf(&p.receiver, ray.direction);
+            light * path.throughput * power_heuristic(p.pdf, pdf)
         }
-        _ => light,
+        None => world.lights.environment(ray.direction) * path.throughput,
     }
 }
 
 /// Light of an emitter the path meets.
-#[inline]
+#[inline(always)]
 fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
     let cos = at.normal.dot(at.wo);
     if cos <= 0.0 {
@@ -176,7 +168,7 @@ fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
 }
 
 /// Light of one sampled emitter, if it is in sight.
-#[inline]
+#[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn sample_lights(
     world: &World,
@@ -185,10 +177,9 @@ fn sample_lights(
     receiver: &Receiver,
     segments: u32,
     choice: f32,
-    sampler: &mut Sampler,
+    u: Vec2,
     path: &mut Path,
 ) {
-    let u = sampler.next_2d();
     let Some(light) = world.lights.sample(&world.scene.textures, receiver, choice, u) else { return };
     let value = bsdf.eval(light.wi);
     let mis = if light.delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };

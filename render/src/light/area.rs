@@ -106,7 +106,7 @@ impl Surface {
     }
 
     /// A direction from `p` to the front of the surface.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, textures: &[Texture], p: Vec3A, probability: f32, u: Vec2) -> Option<LightSample> {
         let (target, xy) = match self.form {
             Form::Parallelogram { p0, e1, e2 } => (p0 + e1 * u.x + e2 * u.y, u),
@@ -129,6 +129,7 @@ impl Surface {
         self.finish(textures, wi, target, probability, pdf, uv)
     }
 
+    #[inline(always)]
     fn finish(
         &self,
         textures: &[Texture],

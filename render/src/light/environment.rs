@@ -5,19 +5,25 @@ use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};
 
 impl EnvironmentMap {
-    /// Coordinates of a direction of the world.
+    /// Coordinates of a direction of the world, and the sine of its angle to the pole.
     #[inline]
-    fn uv(&self, d: Vec3A) -> Vec2 {
+    fn uv(&self, d: Vec3A) -> (Vec2, f32) {
         let local = self.to_world.transpose() * d;
-        let u = local.x.atan2(-local.z) / TAU;
-        Vec2::new(if u < 0.0 { u + 1.0 } else { u }, local.y.clamp(-1.0, 1.0).acos() / PI)
+        let u = local.x.atan2(-local.z) * (1.0 / TAU);
+        let sin = (local.x * local.x + local.z * local.z).sqrt();
+        (Vec2::new(if u < 0.0 { u + 1.0 } else { u }, sin.atan2(local.y) * (1.0 / PI)), sin)
     }
 
     /// Radiance from the unit direction `d`: bilinear, periodic in u, the first and last row being the poles.
     #[inline]
     pub fn radiance(&self, d: Vec3A) -> Rgb {
+        self.radiance_at(self.uv(d).0)
+    }
+
+    #[inline]
+    fn radiance_at(&self, uv: Vec2) -> Rgb {
         let (w, h) = (self.image.width as usize, self.image.height as usize);
-        let p = self.uv(d) * Vec2::new(w as f32, (h - 1) as f32) - Vec2::new(0.5, 0.0);
+        let p = uv * Vec2::new(w as f32, (h - 1) as f32) - Vec2::new(0.5, 0.0);
         let f = p - p.floor();
         let (x0, y0) = (p.x.floor() as i32, p.y as usize);
         let x = [x0, x0 + 1].map(|x| {
@@ -115,17 +121,17 @@ impl MapSampler {
         Self { rows, columns }
     }
 
-    /// A direction of the world and its density in sr⁻¹.
+    /// A direction of the world, its density in sr⁻¹, and the radiance from there.
     #[inline]
-    pub fn sample(&self, map: &EnvironmentMap, u: Vec2) -> (Vec3A, f32) {
+    pub fn sample(&self, map: &EnvironmentMap, u: Vec2) -> (Vec3A, f32, Rgb) {
         let (y, fy) = self.rows.sample(u.y);
         let (x, fx) = self.columns[y].sample(u.x);
         let (w, h) = (self.columns[0].guide.len() as f32, self.columns.len() as f32);
-        let theta = PI * (y as f32 + fy) / h;
-        let (sin_phi, cos_phi) = (TAU * (x as f32 + fx) / w).sin_cos();
-        let (sin, cos) = theta.sin_cos();
+        let uv = Vec2::new((x as f32 + fx) / w, (y as f32 + fy) / h);
+        let (sin_phi, cos_phi) = (TAU * uv.x).sin_cos();
+        let (sin, cos) = (PI * uv.y).sin_cos();
         let d = map.to_world * Vec3A::new(sin * sin_phi, cos, -sin * cos_phi);
-        (d, self.density(x, y, sin))
+        (d, self.density(x, y, sin), map.radiance_at(uv))
     }
 
     #[inline]
@@ -135,14 +141,14 @@ impl MapSampler {
         self.rows.probability(y) * columns.probability(x) * texels / (TAU * PI * sin.max(1e-6))
     }
 
-    /// Density in sr⁻¹ of a direction of the world.
+    /// Radiance from a direction of the world, and its density in sr⁻¹.
     #[inline]
-    pub fn pdf(&self, map: &EnvironmentMap, d: Vec3A) -> f32 {
-        let uv = map.uv(d);
+    pub fn look_up(&self, map: &EnvironmentMap, d: Vec3A) -> (Rgb, f32) {
+        let (uv, sin) = map.uv(d);
         let (w, h) = (self.columns[0].guide.len(), self.columns.len());
         let x = ((uv.x * w as f32) as usize).min(w - 1);
         let y = ((uv.y * h as f32) as usize).min(h - 1);
-        self.density(x, y, (PI * uv.y).sin())
+        (map.radiance_at(uv), self.density(x, y, sin))
     }
 }
 
@@ -178,12 +184,14 @@ mod tests {
         let (mut disagree, sphere) = (0, 4.0 * core::f64::consts::PI);
         for i in 0..n {
             let u = crate::sampler::Sampler::new(0, (0, 0), i).next_2d();
-            let (d, pdf) = sampler.sample(&map, u);
-            disagree += u32::from((pdf - sampler.pdf(&map, d)).abs() > 1e-3 * pdf);
-            estimate += f64::from(map.radiance(d).x / pdf);
+            let (d, pdf, radiance) = sampler.sample(&map, u);
+            let (found, found_pdf) = sampler.look_up(&map, d);
+            disagree += u32::from((pdf - found_pdf).abs() > 1e-3 * pdf);
+            disagree += u32::from((radiance - found).length() > 1e-2 * found.length());
+            estimate += f64::from(radiance.x / pdf);
             let d = crate::frame::uniform_sphere(u);
             plain += f64::from(map.radiance(d).x) * sphere;
-            mass += f64::from(sampler.pdf(&map, d)) * sphere;
+            mass += f64::from(sampler.look_up(&map, d).1) * sphere;
         }
         assert!(disagree < 100, "{disagree}"); // rounding puts a few points into the next texel
         let count = f64::from(n);

@@ -147,7 +147,7 @@ impl Lights {
     }
 
     /// Samples the light that reaches `receiver`: `u_choice` chooses the light, `u` the place on it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, textures: &[Texture], receiver: &Receiver, u_choice: f32, u: Vec2) -> Option<LightSample> {
         let mut u_choice = u_choice;
         let mut tree_probability = 1.0;
@@ -181,6 +181,7 @@ impl Lights {
         }
     }
 
+    #[inline(always)]
     fn sample_local(
         &self,
         textures: &[Texture],
@@ -209,6 +210,7 @@ impl Lights {
         })
     }
 
+    #[inline(always)]
     fn sample_infinite(&self, receiver: &Receiver, index: usize, probability: f32, u: Vec2) -> LightSample {
         if let Some(&(direction, irradiance)) = self.directional.get(index) {
             let wi = -direction;
@@ -221,10 +223,7 @@ impl Lights {
             };
         }
         let (wi, pdf, radiance) = match &self.environment {
-            Some((Environment::Map(map), Some(sampler))) => {
-                let (wi, pdf) = sampler.sample(map, u);
-                (wi, pdf, map.radiance(wi))
-            }
+            Some((Environment::Map(map), Some(sampler))) => sampler.sample(map, u),
             Some((Environment::Constant(radiance), _)) if receiver.one_sided => {
                 let local = cosine_hemisphere(u);
                 (crate::frame::Frame::from_normal(receiver.normal).to_world(local), local.z * FRAC_1_PI, *radiance)
@@ -259,16 +258,16 @@ impl Lights {
         self.environment.as_ref().map_or(Rgb::ZERO, |(environment, _)| environment.radiance(d))
     }
 
-    /// Density in sr⁻¹ with which [`Lights::sample`] chooses the direction `d` to the environment.
+    /// [`Lights::environment`], and the density in sr⁻¹ with which [`Lights::sample`] chooses the direction `d` to it.
     #[inline]
-    pub fn environment_pdf(&self, receiver: &Receiver, d: Vec3A) -> f32 {
-        let density = match &self.environment {
-            None => return 0.0,
-            Some((Environment::Map(map), Some(sampler))) => sampler.pdf(map, d),
-            Some(_) if receiver.one_sided => receiver.normal.dot(d).max(0.0) * FRAC_1_PI,
-            Some(_) => 0.25 * FRAC_1_PI,
+    pub fn environment_with_pdf(&self, receiver: &Receiver, d: Vec3A) -> (Rgb, f32) {
+        let (radiance, density) = match &self.environment {
+            None => return (Rgb::ZERO, 0.0),
+            Some((Environment::Map(map), Some(sampler))) => sampler.look_up(map, d),
+            Some(_) if receiver.one_sided => (self.environment(d), receiver.normal.dot(d).max(0.0) * FRAC_1_PI),
+            Some(_) => (self.environment(d), 0.25 * FRAC_1_PI),
         };
-        density * self.infinite_probability()
+        (radiance, density * self.infinite_probability())
     }
 }
 

@@ -8,7 +8,7 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3A};
 
 /// How EAS are moved and summed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
     /// As published in 2015: E′ and Ω′ of eq. 16, Ward's weights.
@@ -26,8 +26,8 @@ pub struct Eas {
     pub direction: [f32; 3],
     /// 1/d, 0 at infinity.
     pub inv_distance: f32,
-    /// [`Estimator::Paper`]: irradiance E. [`Estimator::Improved`]: radiance of the cap, E over its projected solid angle,
-    /// less the background.
+    /// [`Estimator::Paper`]: irradiance E. [`Estimator::Improved`]: E less that of the background, over the projected solid
+    /// angle of the cap: a radiance.
     pub light: [f32; 3],
     /// Solid angle Ω, sr.
     pub solid_angle: f32,
@@ -35,6 +35,37 @@ pub struct Eas {
     pub normal: [i16; 2],
     /// What eq. 16 needs of the record: 1/(cosθ cosα) ([`Estimator::Paper`]; d² is in the homogeneous direction) or 1/cosα.
     pub factor: f32,
+}
+
+impl Eas {
+    /// Little-endian bytes, for a file.
+    pub fn to_bytes(&self) -> [u8; 40] {
+        let [dx, dy, dz] = self.direction;
+        let [r, g, b] = self.light;
+        let numbers = [dx, dy, dz, self.inv_distance, r, g, b, self.solid_angle, self.factor];
+        let mut bytes = [0; 40];
+        for (to, x) in bytes.chunks_exact_mut(4).zip(numbers) {
+            to.copy_from_slice(&x.to_le_bytes());
+        }
+        bytes[36..38].copy_from_slice(&self.normal[0].to_le_bytes());
+        bytes[38..].copy_from_slice(&self.normal[1].to_le_bytes());
+        bytes
+    }
+
+    /// Inverse of [`Eas::to_bytes`]; `None` if a number is not finite.
+    pub fn from_bytes(bytes: [u8; 40]) -> Option<Self> {
+        let word = |i: usize| [bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2], bytes[4 * i + 3]];
+        let x: [f32; 9] = core::array::from_fn(|i| f32::from_le_bytes(word(i)));
+        let [a, b, c, d] = word(9);
+        x.iter().all(|x| x.is_finite()).then_some(Self {
+            direction: [x[0], x[1], x[2]],
+            inv_distance: x[3],
+            light: [x[4], x[5], x[6]],
+            solid_angle: x[7],
+            factor: x[8],
+            normal: [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])],
+        })
+    }
 }
 
 /// All sources of one point.
@@ -70,7 +101,7 @@ impl EasRecord {
             nodes.iter().map(|n| projected_solid_angle(n.direction.z, (n.solid_angle / TAU).min(1.0))).collect();
         let background = match estimator {
             Estimator::Paper => Rgb::ZERO,
-            Estimator::Improved => background(nodes.iter().map(|n| n.irradiance).zip(areas.iter().copied())),
+            Estimator::Improved => background(nodes.iter().map(|n| (n.irradiance, n.projected))),
         };
         let sources = nodes
             .iter()
@@ -85,7 +116,7 @@ impl EasRecord {
                         (node.irradiance, 1.0 / (node.direction.z.max(PAPER_MIN_COS) * cos_alpha.max(PAPER_MIN_COS)))
                     }
                     Estimator::Improved => (
-                        node.irradiance / area.max(f32::MIN_POSITIVE) - background,
+                        (node.irradiance - background * node.projected) / area.max(f32::MIN_POSITIVE),
                         1.0 / softened(cos_alpha, cap_sine(node.solid_angle)),
                     ),
                 };
@@ -100,6 +131,19 @@ impl EasRecord {
             })
             .collect();
         Self { position, normal: frame.normal(), radius: 0.0, material, background, sources }
+    }
+
+    /// A record as a file holds it.
+    pub fn restored(
+        position: [f32; 3],
+        normal: [f32; 3],
+        radius: f32,
+        material: u32,
+        background: [f32; 3],
+        sources: Box<[Eas]>,
+    ) -> Self {
+        let [position, normal, background] = [position, normal, background].map(Vec3A::from_array);
+        Self { position, normal, radius, material, background, sources }
     }
 
     /// Irradiance at the record, W·m⁻².

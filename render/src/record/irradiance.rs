@@ -109,6 +109,26 @@ impl IrradianceRecord {
         Rgb::new(channel(0), channel(1), channel(2)).max(Rgb::ZERO)
     }
 
+    /// All that the record holds, for a file.
+    pub fn to_numbers(&self) -> [f32; 28] {
+        let vectors = [self.position, self.normal, self.irradiance].into_iter();
+        let mut numbers = vectors.chain(self.translation).chain(self.rotation).flat_map(|v| v.to_array());
+        core::array::from_fn(|i| if i == 27 { self.radius } else { numbers.next().unwrap_or(0.0) })
+    }
+
+    /// Inverse of [`IrradianceRecord::to_numbers`].
+    pub fn from_numbers(numbers: [f32; 28]) -> Self {
+        let v = |i: usize| Vec3A::from_slice(&numbers[3 * i..3 * i + 3]);
+        Self {
+            position: v(0),
+            normal: v(1),
+            irradiance: v(2),
+            translation: [v(3), v(4), v(5)],
+            rotation: [v(6), v(7), v(8)],
+            radius: numbers[27],
+        }
+    }
+
     /// Distance over which the light changes by as much as there is: no radius should be larger.
     pub fn gradient_limit(&self) -> f32 {
         let of = |c: usize| self.irradiance[c] / self.translation[c].length().max(f32::MIN_POSITIVE);

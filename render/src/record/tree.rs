@@ -16,6 +16,8 @@ pub struct Node {
     pub irradiance: Rgb,
     /// Solid angle Ω_N, sr.
     pub solid_angle: f32,
+    /// Projected solid angle ∫ cosθ dω of its samples, sr: exact, where that of a cap is not that of the cell.
+    pub projected: f32,
     /// Unit direction of the centroid, local frame: the mean direction weighted by irradiance.
     pub direction: Vec3A,
     /// 1/distance of the centroid; 0 at infinity.
@@ -133,6 +135,7 @@ fn leaf(cell: Cell, samples: &[GatherSample], centroid: Centroid) -> Node {
         cell,
         irradiance: samples.iter().map(GatherSample::irradiance).sum(),
         solid_angle: samples.iter().map(|s| s.solid_angle).sum(),
+        projected: samples.iter().map(|s| s.projected).sum(),
         direction: Vec3A::ZERO,
         inv_distance: 0.0,
         normal: samples.iter().map(|s| s.normal * of(s)).sum::<Vec3A>().normalize_or_zero(),

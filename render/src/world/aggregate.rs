@@ -102,7 +102,7 @@ impl Aggregate {
     }
 
     /// Nearest intersection before `hit.t`, holes of masks aside.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, context: Context, ray: &Ray, hit: &mut Hit) {
         if self.masks.is_empty() {
             self.bvh.intersect(ray, hit, |_, _, _| true);
@@ -115,7 +115,7 @@ impl Aggregate {
     }
 
     /// Whether a surface lies within the ray's bounds.
-    #[inline]
+    #[inline(always)]
     pub fn occluded(&self, context: Context, ray: &Ray) -> bool {
         let by_triangle = if self.masks.is_empty() {
             self.bvh.occluded(ray, |_, _, _| true)

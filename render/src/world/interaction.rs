@@ -59,7 +59,7 @@ impl Interaction {
 
 impl World {
     /// The surface at a hit of `ray`.
-    #[inline]
+    #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {
         if hit.instance != NO_INSTANCE {
             return self.instanced_interaction(ray, hit);
@@ -107,7 +107,7 @@ impl World {
         Interaction { wo: -ray.direction.normalize(), ..inner.placed(&instance.to_world) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn on_triangle(&self, shape: &Shape, index: u32, ray: &Ray, hit: &Hit, emitter: Option<u32>) -> Interaction {
         let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!("triangles belong to meshes") };
         let corners = mesh.triangles[index as usize].map(|i| i as usize);

@@ -62,7 +62,7 @@ impl World {
     }
 
     /// The nearest surface within the bounds of the ray; the holes of masks are not there.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Hit {
         let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
         self.aggregate.intersect(self.context(), ray, &mut hit);
@@ -70,7 +70,7 @@ impl World {
     }
 
     /// Whether something lies within the bounds of the ray.
-    #[inline]
+    #[inline(always)]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.aggregate.occluded(self.context(), ray)
     }

@@ -69,16 +69,16 @@ impl<'a> Builder<'a> {
         Self { world, policy, environment, quality, seed, points, grid, rays: AtomicU64::new(0) }
     }
 
-    /// Fills all caches until the deadline; `progress` is told the share of the work done.
-    pub fn build(&self, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
+    /// Fills all caches, beginning with those of an earlier run, until the deadline; `progress` is told the share of the work done.
+    pub fn build(&self, kept: Option<Caches>, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
         let (min, max) = self.world.bounds();
         let depth = self.world.scene.integrator.max_depth;
-        let mut caches = Caches {
+        let mut caches = kept.unwrap_or_else(|| Caches {
             coarse: Cache::new(min, max),
             irradiance: Cache::new(min, max),
             eas: Cache::new(min, max),
             rays: 0,
-        };
+        });
         self.fill_coarse(&mut caches.coarse, deadline, &|x| progress(0.1 * x));
         if depth > 2 || (depth == 2 && self.environment.is_some()) {
             let short = self.tracer(Some(&caches.coarse), self.environment, depth - 1);
@@ -349,7 +349,8 @@ impl<'a> Gather<'a> {
                 return Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
             }
             let mut sampler = Sampler::new(seed, key, number);
-            sampler.skip_2d();
+            // The first point is the place in the stratum.
+            sampler.next_2d();
             tracer.incident(at.spawn(direction), &mut sampler, &mut rays)
         });
         self.rays += u64::from(rays);

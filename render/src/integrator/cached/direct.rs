@@ -3,10 +3,9 @@
 
 use crate::bsdf::{Bsdf, Split};
 use crate::light::{Lights, Receiver, Target};
-use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::world::{Interaction, World};
-use glam::Vec3A;
+use glam::{Vec2, Vec3A};
 
 /// Weight of a sample of density `a` when density `b` could have found it too (Veach 1997).
 #[inline]
@@ -30,7 +29,8 @@ pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
 }
 
 /// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`. `lights` may be a part of the
-/// world's. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
+/// world's. `choice` and `u` choose the light and
+/// the place on it. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
 #[inline]
 #[allow(clippy::too_many_arguments)]
 pub fn sample_light(
@@ -40,10 +40,9 @@ pub fn sample_light(
     bsdf: &Bsdf,
     diffuse_alone: bool,
     choice: f32,
-    sampler: &mut Sampler,
+    u: Vec2,
     rays: &mut u32,
 ) -> Split {
-    let u = sampler.next_2d();
     if bsdf.is_delta() {
         return Split::ZERO;
     }
@@ -87,11 +86,11 @@ pub fn emission(world: &World, lights: &Lights, at: &Interaction, left: Option<&
 /// Light from infinity along a direction that meets nothing, weighted.
 #[inline]
 pub fn environment(lights: &Lights, direction: Vec3A, left: Option<&Left>) -> Rgb {
-    let light = lights.environment(direction);
     match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
-        Some((left, pdf)) if light != Rgb::ZERO => {
-            light * power_heuristic(pdf, lights.environment_pdf(&left.receiver, direction))
+        Some((left, pdf)) => {
+            let (light, light_pdf) = lights.environment_with_pdf(&left.receiver, direction);
+            light * power_heuristic(pdf, light_pdf)
         }
-        _ => light,
+        None => lights.environment(direction),
     }
 }

@@ -29,7 +29,7 @@ pub struct IncidentTracer<'a> {
 impl IncidentTracer<'_> {
     /// Light along a ray that is reflected at least once where the ray ends; what emitters send along the ray itself belongs
     /// to direct light, and so does the environment but for the part that records hold. Adds the rays traced to `rays`.
-    #[inline]
+    #[inline(always)]
     pub fn incident(&self, ray: Ray, sampler: &mut Sampler, rays: &mut u32) -> Incident {
         let world = self.world;
         let mut found = Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
@@ -65,21 +65,21 @@ impl IncidentTracer<'_> {
                 break;
             }
             let bsdf = world.bsdf(&at);
-            let choice = sampler.next_2d();
+            let [choice, on_light, scattering, roulette] = sampler.next_4x2d();
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
                 let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal())?;
                 Some((parts, irradiance))
             });
             found.radiance += throughput
-                * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, sampler, rays).sum();
+                * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, on_light, rays).sum();
             if let Some((parts, irradiance)) = cached {
                 found.radiance += throughput * parts.diffuse * mean_radiance(irradiance);
                 if parts.specular == Rgb::ZERO {
                     break;
                 }
             }
-            let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
+            let Some(sample) = bsdf.sample(choice.y, scattering) else { break };
             throughput *= if cached.is_some() { sample.weight.glossy } else { sample.weight.sum() };
             eta *= sample.eta;
             if !sample.is_delta() {
@@ -89,7 +89,7 @@ impl IncidentTracer<'_> {
             let mut survival = throughput.max_element();
             if segment + 1 >= self.rr_depth {
                 survival = (survival * eta * eta).min(0.95);
-                if sampler.next_1d() >= survival {
+                if roulette.x >= survival {
                     break;
                 }
                 throughput /= survival;

@@ -2,6 +2,7 @@
 
 mod build;
 mod direct;
+pub mod file;
 mod incident;
 mod points;
 pub mod policy;
@@ -10,12 +11,14 @@ mod settings;
 mod shade;
 
 use crate::camera::RayGenerator;
-use crate::film::{Budget, Picture, Pixel};
+use crate::film::{Budget, Picture, Pixel, widest};
 use crate::record::Scratch;
 use crate::record::eas::Estimator;
 use crate::sampler::Sampler;
 use crate::world::World;
 pub use build::{Builder, Caches};
+use fearless_simd::Level;
+use file::Loaded;
 pub use incident::IncidentTracer;
 pub use points::{PixelCone, Point};
 use policy::Policy;
@@ -64,7 +67,7 @@ pub struct Figures {
 }
 
 /// Share of a time budget that filling may use.
-const FILL_SHARE: f64 = 0.55;
+const FILL_SHARE: f64 = 0.45;
 
 /// τ of the trial from whose time that of the rest is guessed.
 const TRIAL_TOLERANCE: f32 = 0.2;
@@ -82,17 +85,28 @@ const SMALLEST_TOLERANCE: f32 = 0.002;
 const PASS: u32 = 8;
 
 /// Fills caches for the camera of a world and renders with them. `progress` is told the share of the work done.
+///
+/// `kept` are caches of an earlier run: complete ones are used as they are, others get what the camera needs besides.
 pub fn render_cached(
     world: &World,
     policy: &Policy,
     settings: &Settings,
+    kept: Option<Loaded>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> (Picture, Figures, Caches) {
     let start = Instant::now();
     let split = LightSplit::new(world, settings.indirect_only);
+    let (kept, complete) = kept.map_or((None, false), |k| (Some(k.caches), k.complete));
     let build = |tolerance: f32, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)| {
         let quality = Quality::new(tolerance, settings.estimator);
-        (quality, Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(deadline, progress))
+        (
+            quality,
+            Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(
+                kept.clone(),
+                deadline,
+                progress,
+            ),
+        )
     };
     let time = match settings.budget {
         Budget::Time(limit) => Some(limit),
@@ -101,6 +115,11 @@ pub fn render_cached(
     let deadline = time.map(|limit| start + limit.mul_f64(FILL_SHARE));
     let report = |x: f64| progress(FILL_SHARE * x);
     let (tolerance, (quality, caches)) = match (settings.tolerance, deadline) {
+        (tolerance, _) if complete => {
+            let tolerance = tolerance.unwrap_or(TOLERANCE);
+            let caches = kept.clone().expect("complete caches are there");
+            (tolerance, (Quality::new(tolerance, settings.estimator), caches))
+        }
         (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
         (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
         (None, Some(end)) => {
@@ -119,9 +138,16 @@ pub fn render_cached(
         }
     };
     let filled = Instant::now();
-    let picture = shade(world, policy, &split, &caches, quality, settings, start, &|x| {
-        progress(FILL_SHARE + (1.0 - FILL_SHARE) * x)
-    });
+    let shader = Shader {
+        world,
+        policy,
+        caches: &caches,
+        split: &split,
+        quality,
+        indirect_only: settings.indirect_only,
+        cone: PixelCone::new(world),
+    };
+    let picture = shade(&shader, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
     let figures = Figures {
         fill: filled - start,
         shade: filled.elapsed(),
@@ -136,26 +162,17 @@ pub fn render_cached(
 }
 
 /// The final pass: reads the caches only.
-fn shade(
-    world: &World,
-    policy: &Policy,
-    split: &LightSplit,
-    caches: &Caches,
-    quality: Quality,
-    settings: &Settings,
-    start: Instant,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Picture {
+fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> Picture {
+    let world = shader.world;
     let camera = RayGenerator::new(&world.scene.camera);
     let window = world.scene.camera.film.window();
-    let cone = PixelCone::new(world);
-    let shader = Shader { world, policy, caches, split, quality, indirect_only: settings.indirect_only, cone };
     let count = window.width as usize * window.height as usize;
     let mut pixels = vec![Pixel::default(); count];
     let mut surfaces: Vec<Vec<Surface>> = vec![Vec::new(); count];
-    let (mut spp, mut rays) = (0, caches.rays);
+    let (mut spp, mut rays) = (0, shader.caches.rays);
     let width = window.width as usize;
     let shading = Instant::now();
+    let level = Level::new();
     // Direct light in passes, until the samples or the time left for them are used up.
     loop {
         let pass = match settings.budget {
@@ -172,20 +189,22 @@ fn shade(
             .enumerate()
             .map(|(y, (row, surfaces))| {
                 let mut rays = 0;
-                for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                    let at = (window.x + x as u32, window.y + y as u32);
-                    for index in spp..spp + pass {
-                        let mut sampler = Sampler::new(settings.seed, at, index);
-                        let ray = camera.ray(at.0, at.1, sampler.next_2d());
-                        let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
-                        rays += u64::from(core::mem::take(&mut sample.rays));
-                        if sample.distance > 0.0 {
-                            sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
-                            pixel.surfaces += 1;
+                widest(level, || {
+                    for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                        let at = (window.x + x as u32, window.y + y as u32);
+                        for index in spp..spp + pass {
+                            let mut sampler = Sampler::new(settings.seed, at, index);
+                            let ray = camera.ray(at.0, at.1, sampler.next_2d());
+                            let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
+                            rays += u64::from(core::mem::take(&mut sample.rays));
+                            if sample.distance > 0.0 {
+                                sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
+                                pixel.surfaces += 1;
+                            }
+                            pixel.sum += sample;
                         }
-                        pixel.sum += sample;
                     }
-                }
+                });
                 rays
             })
             .sum();
@@ -203,20 +222,22 @@ fn shade(
         .enumerate()
         .map_init(Scratch::default, |scratch, (y, (row, surfaces))| {
             let mut rays = 0;
-            for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                let at = (window.x + x as u32, window.y + y as u32);
-                let mut sampler = Sampler::new(settings.seed.wrapping_add(1), at, 0);
-                let indirect = shader.indirect(surfaces, &mut sampler, scratch, &mut rays);
-                if indirect.sum().is_finite() {
-                    pixel.sum.indirect = pixel.sum.indirect + indirect;
+            widest(level, || {
+                for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                    let at = (window.x + x as u32, window.y + y as u32);
+                    let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
+                    let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
+                    if indirect.sum().is_finite() {
+                        pixel.sum.indirect = pixel.sum.indirect + indirect;
+                    }
                 }
-            }
+            });
             let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
             progress(0.7 + 0.3 * done as f64 / f64::from(window.height));
             u64::from(rays)
         })
         .sum();
-    Picture { width: window.width, height: window.height, pixels, spp, rays: rays + traced }
+    Picture { width: window.width, height: window.height, pixels, spp, passes: 0, rays: rays + traced }
 }
 
 /// Samples of the next pass that fit into the time, with as much set aside for indirect light as direct light of a pass of

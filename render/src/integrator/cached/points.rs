@@ -40,6 +40,7 @@ impl Point {
 }
 
 /// The surface that ends the specular chain of a camera ray; `scatter` is its BSDF.
+#[allow(clippy::large_enum_variant)] // lives on the stack, for one call
 pub enum Seen<'a> {
     /// Nothing; the direction in which light from infinity is seen, if it counts.
     Nothing { direction: Vec3A, throughput: Rgb, segments: u32 },
@@ -51,7 +52,7 @@ pub enum Seen<'a> {
 
 /// Follows a camera ray through perfectly specular surfaces. `emitted` is called with every surface on the way that shines,
 /// the last included, with the throughput and the number of segments.
-#[inline]
+#[inline(always)]
 pub fn see<'a>(
     world: &'a World,
     camera: &PixelCone,

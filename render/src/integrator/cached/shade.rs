@@ -16,6 +16,7 @@ use crate::record::{Receiver, Reflected, Reflector, Scratch, reflect};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::World;
+use glam::{Vec2, Vec3A};
 
 /// Shades with filled caches, which it only reads.
 pub struct Shader<'a> {
@@ -63,9 +64,9 @@ pub struct Surface {
     point: Point,
     samples: f32,
     /// Sums over the samples.
-    position: glam::Vec3A,
-    normal: glam::Vec3A,
-    wo: glam::Vec3A,
+    position: Vec3A,
+    normal: Vec3A,
+    wo: Vec3A,
     diffuse: Rgb,
     specular: Rgb,
 }
@@ -74,10 +75,11 @@ pub struct Surface {
 const MAX_SURFACES: usize = 8;
 
 /// Samples of a traced surface whose light is cached for its neighbours only.
-const MIN_TRACED: f32 = 16.0;
+const MIN_TRACED: f32 = 8.0;
 
 impl Shader<'_> {
     /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`].
+    #[inline(always)]
     pub fn direct(&self, ray: Ray, sampler: &mut Sampler, surfaces: &mut Vec<Surface>) -> Radiance {
         let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
@@ -121,21 +123,21 @@ impl Shader<'_> {
         if point.segments >= settings.max_depth {
             return out;
         }
-        let choice = sampler.next_2d();
-        let u = sampler;
+        let [choice, on_light, scattering, _] = sampler.next_4x2d();
         let counts = !self.indirect_only || point.segments > 1;
         if counts {
             // Records hold a part of the lights already.
             let treatment = self.policy.treatment(point.material.0);
             let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
-            let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, u, &mut out.rays);
-            direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, u, &mut out.rays);
+            let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, on_light, &mut out.rays);
+            direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, &mut out.rays);
             let direct = direct * point.throughput;
             if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
         }
         match self.policy.treatment(point.material.0) {
             Treatment::Traced => {
-                out.indirect = out.indirect + self.traced(&point, &bsdf, None, choice.y, u, &mut out.rays)
+                out.indirect =
+                    out.indirect + self.traced(&point, &bsdf, None, choice.y, scattering, sampler, &mut out.rays)
             }
             _ => note(&point, &bsdf, surfaces),
         }
@@ -143,16 +145,17 @@ impl Shader<'_> {
     }
 
     /// Emitters that a direction of the BSDF meets.
+    #[inline(always)]
     fn emitters_by_bsdf(
         &self,
         lights: &Lights,
         point: &Point,
         bsdf: &Bsdf,
         choice: f32,
-        sampler: &mut Sampler,
+        u: Vec2,
         rays: &mut u32,
     ) -> Split {
-        let Some(sample) = bsdf.sample(choice, sampler.next_2d()) else { return Split::ZERO };
+        let Some(sample) = bsdf.sample(choice, u) else { return Split::ZERO };
         let left = Left { receiver: receiver(&point.at, bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) };
         let ray = point.at.spawn(sample.wi);
         let hit = self.world.intersect(&ray);
@@ -166,12 +169,14 @@ impl Shader<'_> {
     }
 
     /// Indirect light by one path, and what of the environment was left to the records.
+    #[inline(always)]
     fn traced(
         &self,
         point: &Point,
         bsdf: &Bsdf,
         environment: Option<&Environment>,
         choice: f32,
+        u: Vec2,
         sampler: &mut Sampler,
         rays: &mut u32,
     ) -> Split {
@@ -181,7 +186,7 @@ impl Shader<'_> {
         else {
             return Split::ZERO;
         };
-        let Some(sample) = bsdf.sample(choice, sampler.next_2d()) else { return Split::ZERO };
+        let Some(sample) = bsdf.sample(choice, u) else { return Split::ZERO };
         let tracer = IncidentTracer {
             world: self.world,
             irradiance: Some(&self.caches.coarse),
@@ -193,20 +198,22 @@ impl Shader<'_> {
         sample.weight * (light.radiance * point.throughput)
     }
 
-    /// Indirect light of the surfaces of a pixel, summed over their samples.
+    /// Indirect light of the surfaces of a pixel, summed over their samples. `samplers` makes the sample points of a path.
+    #[inline(always)]
     pub fn indirect(
         &self,
         surfaces: &[Surface],
-        sampler: &mut Sampler,
+        samplers: &impl Fn(u32) -> Sampler,
         scratch: &mut Scratch,
         rays: &mut u32,
     ) -> Split {
         let depth = self.world.scene.integrator.max_depth;
         let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth + u32::from(self.split.held.is_some()));
-        seen.map(|s| self.surface(s, sampler, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
+        seen.map(|s| self.surface(s, samplers, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
     }
 
-    fn surface(&self, s: &Surface, sampler: &mut Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
+    #[inline(always)]
+    fn surface(&self, s: &Surface, samplers: &impl Fn(u32) -> Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
@@ -216,7 +223,7 @@ impl Shader<'_> {
                 (found.map(|e| Split { diffuse: s.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
             }
             Treatment::Eas { lobe, traced } => {
-                let at = Receiver { position, frame: turned(&s.point, normal), wo: glam::Vec3A::Z };
+                let at = Receiver { position, frame: turned(&s.point, normal), wo: Vec3A::Z };
                 let wo = at.frame.to_local(s.wo.normalize());
                 let cached = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
                 (cached, traced)
@@ -229,9 +236,11 @@ impl Shader<'_> {
             _ => {
                 let bsdf = self.world.bsdf(&s.point.at);
                 let count = s.samples.max(MIN_TRACED) as u32;
-                let choices = (0..count).map(|_| sampler.next_1d()).collect::<Vec<_>>();
-                let sum = choices.into_iter().fold(Split::ZERO, |sum, choice| {
-                    sum + self.traced(&s.point, &bsdf, self.split.held.as_ref(), choice, sampler, rays)
+                let held = self.split.held.as_ref();
+                let sum = (0..count).fold(Split::ZERO, |sum, path| {
+                    let mut sampler = samplers(path);
+                    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+                    sum + self.traced(&s.point, &bsdf, held, choice, u, &mut sampler, rays)
                 });
                 sum * (s.samples / count as f32)
             }
@@ -243,14 +252,8 @@ impl Shader<'_> {
     }
 
     /// Eq. 17.
-    fn eas(
-        &self,
-        lobe: usize,
-        s: &Surface,
-        at: &Receiver,
-        normal: glam::Vec3A,
-        scratch: &mut Scratch,
-    ) -> Option<Split> {
+    #[inline(always)]
+    fn eas(&self, lobe: usize, s: &Surface, at: &Receiver, normal: Vec3A, scratch: &mut Scratch) -> Option<Split> {
         let lobe = &self.policy.lobes[lobe];
         let reflector = Reflector { table: &lobe.table, diffuse: s.diffuse, specular: s.specular };
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
@@ -270,8 +273,8 @@ impl Shader<'_> {
 }
 
 /// The frame of a point turned to the mean normal of its samples.
-fn turned(point: &Point, normal: glam::Vec3A) -> crate::frame::Frame {
-    let x = point.frame.to_world(glam::Vec3A::X);
+fn turned(point: &Point, normal: Vec3A) -> crate::frame::Frame {
+    let x = point.frame.to_world(Vec3A::X);
     crate::frame::Frame::with_tangent(normal, x)
 }
 
@@ -288,7 +291,7 @@ fn note(point: &Point, bsdf: &Bsdf, surfaces: &mut Vec<Surface>) {
     });
     let index = same.unwrap_or_else(|| {
         if surfaces.len() < MAX_SURFACES {
-            let zero = glam::Vec3A::ZERO;
+            let zero = Vec3A::ZERO;
             surfaces.push(Surface {
                 point: *point,
                 samples: 0.0,

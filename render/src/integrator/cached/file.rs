@@ -1,0 +1,277 @@
+//! Caches on disk: a rendering that goes on from one gives the same picture, a moved camera adds what it needs.
+//!
+//! Little-endian: magic (8 bytes), version and header length (u32), header (bincode, at most 64 KiB), records, CRC-32 of all
+//! before it. Irradiance records are 28 f32; an EAS record is 12 numbers of 4 bytes and its sources of 40 bytes.
+
+use super::Settings;
+use super::build::Caches;
+use super::policy::Policy;
+use crate::cache::Cache;
+use crate::record::Record;
+use crate::record::eas::{Eas, EasRecord, Estimator};
+use crate::record::irradiance::IrradianceRecord;
+use crate::scene::{Environment, Geometry, Texture};
+use crate::world::World;
+use serde::{Deserialize, Serialize};
+use std::io::{Read, Write};
+use std::path::Path;
+
+const MAGIC: &[u8; 8] = b"BURNREC\n";
+const VERSION: u32 = 1;
+const MAX_HEADER: usize = 1 << 16;
+/// Larger files are not read.
+const MAX_BYTES: u64 = 4 << 30;
+
+/// Why a cache file is of no use.
+#[derive(Debug, thiserror::Error)]
+pub enum CacheFileError {
+    /// It cannot be read or written.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// It is not a cache file, or damaged.
+    #[error("not a cache file, or a damaged one: {0}; remove it to fill a new one")]
+    Format(&'static str),
+    /// It belongs to something else.
+    #[error("the cache was filled for another {0}; remove it, or name another file")]
+    Stale(&'static str),
+}
+
+/// What a file was made for. Numbers are checksums.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Header {
+    scene: u64,
+    materials: u64,
+    tables: u64,
+    camera: u64,
+    estimator: Estimator,
+    tolerance: f32,
+    indirect_only: bool,
+    coarse: u64,
+    irradiance: u64,
+    eas: u64,
+}
+
+/// Caches that were read, and whether they are all that the camera needs.
+pub struct Loaded {
+    /// The records.
+    pub caches: Caches,
+    /// Whether camera and τ are those the file was made for.
+    pub complete: bool,
+}
+
+/// What a rendering would write into the header, counts aside.
+fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -> Header {
+    let scene = &world.scene;
+    let mut hash = Hash::default();
+    for shape in scene.shapes.iter().chain(scene.groups.iter().flat_map(|g| &g.shapes)) {
+        match &shape.geometry {
+            Geometry::Mesh(m) => {
+                m.positions.iter().for_each(|p| hash.numbers(&p.to_array()));
+                m.triangles.iter().for_each(|t| hash.0.update(bytemuck::cast_slice(t)));
+            }
+            Geometry::Sphere(s) => hash.text(&format!("{s:?}")),
+        }
+        hash.text(&format!("{:?}{:?}", shape.material, shape.emitter));
+    }
+    hash.text(&format!("{:?}{:?}{:?}", scene.instances, scene.lights, scene.integrator.max_depth));
+    if let Some(Environment::Map(map)) = &scene.environment {
+        (0..map.image.texels.len()).for_each(|i| hash.numbers(&map.image.texels.get(i).to_array()));
+    } else {
+        hash.text(&format!("{:?}", scene.environment));
+    }
+    let mut materials = Hash::default();
+    materials.text(&format!("{:?}", scene.materials));
+    for texture in &scene.textures {
+        match texture {
+            Texture::Bitmap(b) => (0..b.texels.len()).for_each(|i| materials.numbers(&b.texels.get(i).to_array())),
+            other => materials.text(&format!("{other:?}")),
+        }
+    }
+    let mut tables = Hash::default();
+    policy.lobes.iter().for_each(|l| tables.text(&format!("{:?}", l.table.header)));
+    let mut camera = Hash::default();
+    camera.text(&format!("{:?}", scene.camera));
+    Header {
+        scene: hash.finish(),
+        materials: materials.finish(),
+        tables: tables.finish(),
+        camera: camera.finish(),
+        estimator: settings.estimator,
+        tolerance,
+        indirect_only: settings.indirect_only,
+        coarse: 0,
+        irradiance: 0,
+        eas: 0,
+    }
+}
+
+#[derive(Default)]
+struct Hash(crc32fast::Hasher, u64);
+
+impl Hash {
+    fn text(&mut self, text: &str) {
+        self.0.update(text.as_bytes());
+        self.1 += text.len() as u64;
+    }
+    fn numbers(&mut self, numbers: &[f32]) {
+        self.0.update(bytemuck::cast_slice(numbers));
+        self.1 += 1;
+    }
+    fn finish(self) -> u64 {
+        u64::from(self.0.finalize()) << 32 | self.1 & 0xffff_ffff
+    }
+}
+
+fn config() -> impl bincode::config::Config {
+    bincode::config::legacy().with_limit::<MAX_HEADER>()
+}
+
+/// Writes caches: the file appears whole or not at all.
+///
+/// # Errors
+/// A place that cannot be written.
+pub fn save(
+    path: &Path,
+    world: &World,
+    policy: &Policy,
+    settings: &Settings,
+    tolerance: f32,
+    caches: &Caches,
+) -> Result<(), CacheFileError> {
+    let count = |n: usize| n as u64;
+    let header = Header {
+        coarse: count(caches.coarse.records().len()),
+        irradiance: count(caches.irradiance.records().len()),
+        eas: count(caches.eas.records().len()),
+        ..header(world, policy, settings, tolerance)
+    };
+    let encoded = bincode::serde::encode_to_vec(header, config()).map_err(|_| CacheFileError::Format("header"))?;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((encoded.len() as u32).to_le_bytes());
+    bytes.extend(encoded);
+    let mut number = |x: f32| bytes.extend(x.to_le_bytes());
+    for record in caches.coarse.records().iter().chain(caches.irradiance.records()) {
+        record.to_numbers().into_iter().for_each(&mut number);
+    }
+    for record in caches.eas.records() {
+        let (p, n, b) = (record.position(), record.normal(), record.background);
+        let words = [p.x, p.y, p.z, n.x, n.y, n.z, record.radius(), b.x, b.y, b.z];
+        words.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        bytes.extend(record.material.to_le_bytes());
+        bytes.extend((record.sources.len() as u32).to_le_bytes());
+        record.sources.iter().for_each(|s| bytes.extend(s.to_bytes()));
+    }
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(&bytes)?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Reads caches that fit the scene, its materials and tables. Allocates no more than a small multiple of the file.
+///
+/// # Errors
+/// A file that is damaged, or that was made for something else.
+pub fn load(
+    path: &Path,
+    world: &World,
+    policy: &Policy,
+    settings: &Settings,
+    tolerance: f32,
+) -> Result<Loaded, CacheFileError> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    let mut reader = Reader { bytes: &bytes };
+    if reader.take(8)? != MAGIC {
+        return Err(CacheFileError::Format("wrong magic"));
+    }
+    if reader.word()? != VERSION {
+        return Err(CacheFileError::Format("another version"));
+    }
+    let body = bytes.len().saturating_sub(4);
+    if crc32fast::hash(&bytes[..body]).to_le_bytes() != bytes[body..] {
+        return Err(CacheFileError::Format("wrong checksum"));
+    }
+    let length = reader.word()? as usize;
+    let encoded = reader.take(length.min(MAX_HEADER))?;
+    let (found, used): (Header, usize) =
+        bincode::serde::decode_from_slice(encoded, config()).map_err(|_| CacheFileError::Format("header"))?;
+    if used != length {
+        return Err(CacheFileError::Format("header"));
+    }
+    let wanted = header(world, policy, settings, tolerance);
+    let same = [
+        (found.scene == wanted.scene, "scene"),
+        (found.materials == wanted.materials, "set of materials"),
+        (found.tables == wanted.tables, "set of tables"),
+        (found.estimator == wanted.estimator, "estimator"),
+        (found.indirect_only == wanted.indirect_only, "part of the light"),
+    ];
+    if let Some((_, what)) = same.into_iter().find(|(same, _)| !same) {
+        return Err(CacheFileError::Stale(what));
+    }
+    let (min, max) = world.bounds();
+    let mut caches =
+        Caches { coarse: Cache::new(min, max), irradiance: Cache::new(min, max), eas: Cache::new(min, max), rays: 0 };
+    for _ in 0..found.coarse {
+        caches.coarse.insert(reader.irradiance()?);
+    }
+    for _ in 0..found.irradiance {
+        caches.irradiance.insert(reader.irradiance()?);
+    }
+    let materials = world.scene.materials.len() as u32;
+    for _ in 0..found.eas {
+        caches.eas.insert(reader.eas(materials)?);
+    }
+    if reader.bytes.len() != 4 {
+        return Err(CacheFileError::Format("bytes left over"));
+    }
+    Ok(Loaded { caches, complete: found.camera == wanted.camera && found.tolerance == wanted.tolerance })
+}
+
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, n: usize) -> Result<&'a [u8], CacheFileError> {
+        let (head, rest) = self.bytes.split_at_checked(n).ok_or(CacheFileError::Format("it is truncated"))?;
+        self.bytes = rest;
+        Ok(head)
+    }
+
+    fn word(&mut self) -> Result<u32, CacheFileError> {
+        Ok(u32::from_le_bytes(self.take(4)?.try_into().expect("four bytes")))
+    }
+
+    /// N finite numbers.
+    fn numbers<const N: usize>(&mut self) -> Result<[f32; N], CacheFileError> {
+        let mut numbers = [0.0; N];
+        for x in &mut numbers {
+            *x = f32::from_bits(self.word()?);
+            if !x.is_finite() {
+                return Err(CacheFileError::Format("a number is not finite"));
+            }
+        }
+        Ok(numbers)
+    }
+
+    fn irradiance(&mut self) -> Result<IrradianceRecord, CacheFileError> {
+        Ok(IrradianceRecord::from_numbers(self.numbers()?))
+    }
+
+    fn eas(&mut self, materials: u32) -> Result<EasRecord, CacheFileError> {
+        let [px, py, pz, nx, ny, nz, radius, r, g, b] = self.numbers()?;
+        let (material, count) = (self.word()?, self.word()?);
+        if material >= materials {
+            return Err(CacheFileError::Format("a record of no material"));
+        }
+        let bytes = self.take(count as usize * size_of::<Eas>())?;
+        let sources = bytes.chunks_exact(size_of::<Eas>()).map(|b| Eas::from_bytes(b.try_into().expect("40 bytes")));
+        let sources: Option<Box<[Eas]>> = sources.collect();
+        let sources = sources.ok_or(CacheFileError::Format("a number is not finite"))?;
+        Ok(EasRecord::restored([px, py, pz], [nx, ny, nz], radius, material, [r, g, b], sources))
+    }
+}

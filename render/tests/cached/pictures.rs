@@ -1,0 +1,84 @@
+//! Whole pictures against the path tracer.
+
+use crate::common::{cached, compare, table, traced, world};
+use render::film::Budget;
+use render::integrator::cached::policy::{Allowed, Policy};
+use render::integrator::cached::{Settings, render_cached};
+use render::record::eas::Estimator;
+
+const SMALL: [(&str, &str); 2] = [("width", "64"), ("height", "64")];
+
+/// Boxes, floor, object under a sky, four materials: small error, small bias.
+#[test]
+fn pictures_agree_with_the_path_tracer() {
+    for (scene, bound) in [
+        ("cornell-glossy.xml", 0.006),
+        ("cornell-diffuse.xml", 0.006),
+        ("floor-n100.xml", 0.006),
+        ("preview.xml", 0.02),
+        ("materials.xml", 0.02),
+        ("anisotropic-sphere.xml", 0.02),
+    ] {
+        let world = world(scene, &SMALL);
+        let (picture, figures) = cached(&world, Allowed::Auto, 0.03, 32);
+        let (error, bias) = compare(&picture, &traced(&world, 256));
+        println!("{scene}: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.eas_records);
+        assert!(error < bound && bias.abs() < 0.02, "{scene}: {error} {bias}");
+    }
+}
+
+#[test]
+fn the_same_bytes_for_any_number_of_threads() {
+    let world = world("cornell-glossy.xml", &[("width", "40"), ("height", "40")]);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| cached(&world, Allowed::Auto, 0.1, 4)).0.image().pixels
+    };
+    let one = with(1);
+    assert!(one == with(2) && one == with(7));
+}
+
+/// A scene that is a thousand times smaller or larger gives the same picture but for rounding.
+#[test]
+fn the_size_of_the_scene_does_not_matter() {
+    let at = |scene: &str| cached(&world(scene, &[("width", "40"), ("height", "40")]), Allowed::Auto, 0.1, 8).0;
+    let box_ = at("cornell-glossy.xml");
+    for scene in ["failure/scaled-down.xml", "failure/scaled-up.xml", "failure/moved.xml"] {
+        let (error, bias) = compare(&at(scene), &box_);
+        println!("{scene}: rel_mse {error:.5}, bias {:.2} %", 100.0 * bias);
+        assert!(error < 3e-3 && bias.abs() < 1e-2, "{scene}: {error} {bias}");
+    }
+}
+
+/// The published estimator works end to end.
+#[test]
+fn the_papers_estimator_draws_the_box() {
+    let world = world("cornell-glossy.xml", &[("width", "32"), ("height", "32")]);
+    let policy = Policy::new(&world.scene, Allowed::Eas, |r| Ok::<_, ()>(table(r))).expect("tables fit");
+    let settings = Settings {
+        tolerance: Some(0.1),
+        estimator: Estimator::Paper,
+        budget: Budget::Samples(16),
+        seed: 1,
+        indirect_only: false,
+    };
+    let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
+    let (error, bias) = compare(&picture, &traced(&world, 256));
+    println!("paper: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.eas_records);
+    assert!(error < 0.05 && bias.abs() < 0.05, "{error} {bias}");
+}
+
+/// Materials too sharp to cache are traced, and the policy says so.
+#[test]
+fn sharp_materials_are_traced() {
+    let mut world = world("floor.xml", &[("n", "5000"), ("width", "16"), ("height", "16")]);
+    let policy = |allowed, world: &render::world::World| {
+        Policy::new(&world.scene, allowed, |r| Ok::<_, ()>(table(r))).expect("tables fit")
+    };
+    assert!(policy(Allowed::Auto, &world).notes.iter().any(|n| n.contains("too sharp")));
+    let (_, figures) = cached(&world, Allowed::Auto, 0.2, 2);
+    assert_eq!(figures.eas_records, 0);
+    world = crate::common::world("floor.xml", &[("n", "100"), ("width", "16"), ("height", "16")]);
+    assert!(policy(Allowed::Auto, &world).notes.iter().any(|n| n.contains("cached")));
+    assert!(policy(Allowed::Irradiance, &world).lobes.is_empty());
+}
