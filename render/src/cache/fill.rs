@@ -4,9 +4,7 @@
 //! the same for any number of threads.
 
 use super::Cache;
-use crate::film::widest;
 use crate::record::Record;
-use fearless_simd::Level;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -41,14 +39,13 @@ pub fn fill<R: Record, M: Send>(
 ) -> bool {
     let total = f64::from(grid.width) * f64::from(grid.height);
     let mut seen = 0;
-    let level = Level::new();
     for pixels in waves(grid) {
         let open: Vec<usize> = pixels.par_iter().copied().filter(|&i| !covered(cache, i)).collect();
         for batch in open.chunks(BATCH) {
             if deadline.is_some_and(|end| Instant::now() >= end) {
                 return true;
             }
-            let made: Vec<M> = batch.par_iter().filter_map(|&i| widest(level, || make(cache, i))).collect();
+            let made: Vec<M> = batch.par_iter().filter_map(|&i| make(cache, i)).collect();
             made.into_iter().for_each(|record| insert(cache, record));
         }
         seen += pixels.len();

@@ -6,6 +6,7 @@ use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use crate::cache::{Cache, Grid, RadiusPolicy, clamp_to_neighbours, fill};
 use crate::camera::RayGenerator;
+use crate::film::widest;
 use crate::frame::Frame;
 use crate::gather::{GatherSample, Incident, gather_cells, gather_uniform};
 use crate::record::eas::{EasRecord, Estimator};
@@ -14,6 +15,7 @@ use crate::record::{Centroid, Guide, Record, Reflector, Tree, View, cut, hemisph
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::World;
+use fearless_simd::Level;
 use glam::Vec3A;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -343,6 +345,7 @@ impl<'a> Gather<'a> {
         let (seed, key, tracer, at) = (self.seed, self.key, self.tracer, &self.point.at);
         let facing = at.normal * 1f32.copysign(at.normal.dot(at.wo));
         let mut rays = 0;
+        let level = Level::new();
         let out = with(&mut |number| Sampler::new(seed, key, number).next_2d(), &mut |direction, number| {
             // Below the surface of a smoothed mesh there is nothing to see.
             if direction.dot(facing) <= 0.0 {
@@ -351,7 +354,11 @@ impl<'a> Gather<'a> {
             let mut sampler = Sampler::new(seed, key, number);
             // The first point is the place in the stratum.
             sampler.next_2d();
-            tracer.incident(at.spawn(direction), &mut sampler, &mut rays)
+            widest(
+                level,
+                #[inline(always)]
+                || tracer.incident(at.spawn(direction), &mut sampler, &mut rays),
+            )
         });
         self.rays += u64::from(rays);
         out

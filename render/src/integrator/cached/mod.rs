@@ -189,22 +189,26 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             .enumerate()
             .map(|(y, (row, surfaces))| {
                 let mut rays = 0;
-                widest(level, || {
-                    for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                        let at = (window.x + x as u32, window.y + y as u32);
-                        for index in spp..spp + pass {
-                            let mut sampler = Sampler::new(settings.seed, at, index);
-                            let ray = camera.ray(at.0, at.1, sampler.next_2d());
-                            let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
-                            rays += u64::from(core::mem::take(&mut sample.rays));
-                            if sample.distance > 0.0 {
-                                sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
-                                pixel.surfaces += 1;
+                widest(
+                    level,
+                    #[inline(always)]
+                    || {
+                        for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                            let at = (window.x + x as u32, window.y + y as u32);
+                            for index in spp..spp + pass {
+                                let mut sampler = Sampler::new(settings.seed, at, index);
+                                let ray = camera.ray(at.0, at.1, sampler.next_2d());
+                                let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
+                                rays += u64::from(core::mem::take(&mut sample.rays));
+                                if sample.distance > 0.0 {
+                                    sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
+                                    pixel.surfaces += 1;
+                                }
+                                pixel.sum += sample;
                             }
-                            pixel.sum += sample;
                         }
-                    }
-                });
+                    },
+                );
                 rays
             })
             .sum();
@@ -222,16 +226,20 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
         .enumerate()
         .map_init(Scratch::default, |scratch, (y, (row, surfaces))| {
             let mut rays = 0;
-            widest(level, || {
-                for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                    let at = (window.x + x as u32, window.y + y as u32);
-                    let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
-                    let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
-                    if indirect.sum().is_finite() {
-                        pixel.sum.indirect = pixel.sum.indirect + indirect;
+            widest(
+                level,
+                #[inline(always)]
+                || {
+                    for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                        let at = (window.x + x as u32, window.y + y as u32);
+                        let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
+                        let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
+                        if indirect.sum().is_finite() {
+                            pixel.sum.indirect = pixel.sum.indirect + indirect;
+                        }
                     }
-                }
-            });
+                },
+            );
             let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
             progress(0.7 + 0.3 * done as f64 / f64::from(window.height));
             u64::from(rays)
