@@ -53,6 +53,8 @@ fn a_probe_writes_pictures_and_both_curves() {
             assert!(pair[1][column] < pair[0][column], "{text}");
         }
     }
+    // Measured 0.0169 against 0.0195. Not a law: at some points of the floor near a wall the paper's record is the better.
+    assert!(rows[4][6] < rows[4][3], "{text}");
     for row in &rows {
         assert!(row[1] <= row[0] && row[4] <= row[0], "{text}");
     }

@@ -143,7 +143,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     );
     // A reader that has seen enough is no error.
     match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => return Err(e).context("standard output"),
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e).context("standard output"),
         _ => Ok(ExitCode::SUCCESS),
     }
 }
