@@ -67,16 +67,20 @@ pub struct Figures {
 }
 
 /// Share of a time budget that filling may use.
-const FILL_SHARE: f64 = 0.45;
+const FILL_SHARE: f64 = 0.5;
 
 /// τ of the trial from whose time that of the rest is guessed.
 const TRIAL_TOLERANCE: f32 = 0.2;
 
+/// Share of the trial's cost that does not depend on τ (measured on the glossy box); the rest grows with
+/// τ^−3/2: rays are inverse to τ, and so is the square of the number of records.
+const CONSTANT_SHARE: f64 = 0.8;
+
 /// Share of the time left that the second fill is planned for: the guess is rough.
-const FILL_MARGIN: f64 = 0.65;
+const FILL_MARGIN: f64 = 0.8;
 
 /// A second fill must bring τ below this share of the trial's.
-const WORTH_A_SECOND_FILL: f32 = 0.6;
+const WORTH_A_SECOND_FILL: f32 = 0.7;
 
 /// No budget of time asks for less.
 const SMALLEST_TOLERANCE: f32 = 0.002;
@@ -123,12 +127,13 @@ pub fn render_cached(
         (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
         (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
         (None, Some(end)) => {
-            // A cheap trial tells what τ the time allows: half of its cost does not depend on τ, half is inverse to it.
+            // A cheap trial tells what τ the time allows.
             let trial = Instant::now();
             let filled = build(TRIAL_TOLERANCE, Some(end), &|_| ());
             let spent = trial.elapsed().as_secs_f64();
             let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-            let tolerance = TRIAL_TOLERANCE * (0.5 * spent / (FILL_MARGIN * left - 0.5 * spent).max(1e-6)) as f32;
+            let variable = (1.0 - CONSTANT_SHARE) * spent / (FILL_MARGIN * left - CONSTANT_SHARE * spent).max(1e-6);
+            let tolerance = TRIAL_TOLERANCE * variable.powf(2.0 / 3.0) as f32;
             if tolerance < WORTH_A_SECOND_FILL * TRIAL_TOLERANCE {
                 let tolerance = tolerance.max(SMALLEST_TOLERANCE);
                 (tolerance, build(tolerance, Some(end), &report))
@@ -260,4 +265,4 @@ fn time_for(limit: Duration, start: Instant, shading: Instant, spp: u32) -> u32 
 }
 
 /// Indirect light of a pixel costs about as much as this many samples of direct light.
-const INDIRECT_SAMPLES: f64 = 4.0;
+const INDIRECT_SAMPLES: f64 = 2.5;

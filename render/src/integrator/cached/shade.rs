@@ -291,6 +291,8 @@ fn note(point: &Point, bsdf: &Bsdf, surfaces: &mut Vec<Surface>) {
     });
     let index = same.unwrap_or_else(|| {
         if surfaces.len() < MAX_SURFACES {
+            // Most pixels show one surface: room for four would cost more to touch than to fill.
+            surfaces.reserve_exact(1);
             let zero = Vec3A::ZERO;
             surfaces.push(Surface {
                 point: *point,
