@@ -183,7 +183,7 @@ fn mistakes_are_named() {
     f.bad("image scene.xml -o a.exr --spp 1 --crop 1,2", "--crop");
     f.bad("image scene.xml -o a.exr --spp 1 --width 99999999", "--width");
     f.bad("image scene.xml -o a.exr --spp 1 -D gray", "NAME=VALUE");
-    f.bad("image scene.xml -o a.exr --method eas", "--method");
+    f.bad("image scene.xml -o a.exr --method photons", "--method");
     f.bad("compare a.exr b.exr", "a.exr");
     std::fs::write(f.path("broken.exr"), b"not a picture").unwrap();
     f.bad("compare broken.exr broken.exr", "broken.exr");

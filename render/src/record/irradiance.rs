@@ -81,7 +81,7 @@ impl IrradianceRecord {
                 irradiance += radiance;
                 let tan = sin / cos.max(1e-3);
                 for (channel, gradient) in rotation.iter_mut().enumerate() {
-                    *gradient -= Vec3A::new(-s, c, 0.0) * (tan * radiance[channel]);
+                    *gradient += Vec3A::new(-s, c, 0.0) * (tan * radiance[channel]);
                 }
                 let distance = found.distance.max(f32::MIN_POSITIVE);
                 inverse_sum += 1.0 / distance;
