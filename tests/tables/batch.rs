@@ -78,8 +78,9 @@ fn batches_agree_with_scalars() {
                 for (i, cap) in held.iter().enumerate() {
                     let scalar = table.value(cap, wo.as_dvec3().normalize());
                     let off = (f64::from(out[i]) - scalar).abs() / scales[i].max(scalar);
-                    // cosⁿ magnifies the rounding of its base n times.
-                    let bound = 2e-4 + 2.5e-7 * specular.lobe_width().powi(-2);
+                    // cosⁿ magnifies the rounding of its base n times. AVX2 estimates reciprocals less precisely than AVX-512,
+                    // which stays below 2e-4: a cap of half the hemisphere on the horizon is off by 2.2e-4 there.
+                    let bound = 3e-4 + 2.5e-7 * specular.lobe_width().powi(-2);
                     worst[kind] = worst[kind].max(off / bound);
                     assert!(
                         off < bound,
