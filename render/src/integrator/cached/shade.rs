@@ -170,6 +170,7 @@ impl Shader<'_> {
 
     /// Indirect light by one path, and what of the environment was left to the records.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     fn traced(
         &self,
         point: &Point,
