@@ -72,13 +72,13 @@ impl ZonalAxes {
     #[inline(always)]
     fn u<T: Real>(&self, s: T) -> T {
         let top = (2.0 * self.sharpness).sqrt();
-        s / (s + s.lit(3.0)) * s.lit((top + 3.0) / top)
+        s * (s + s.lit(3.0)).recip() * s.lit((top + 3.0) / top)
     }
 
     /// A sigmoid of slope 1 at 0: x/√(1 + x²/4).
     #[inline(always)]
     fn edge<T: Real>(x: T) -> T {
-        x / (x.sq() * x.lit(0.25) + x.lit(1.0)).sqrt()
+        x * (x.sq() * x.lit(0.25) + x.lit(1.0)).sqrt().recip()
     }
 
     /// Distance beyond the edge at v = 1.
@@ -91,7 +91,7 @@ impl ZonalAxes {
     #[inline(always)]
     fn v<T: Real>(&self, s: T, radius: T) -> T {
         let origin = Self::edge(radius);
-        (Self::edge(s - radius) + origin) / (Self::edge(self.reach(radius)) + origin)
+        (Self::edge(s - radius) + origin) * (Self::edge(self.reach(radius)) + origin).recip()
     }
 
     /// (σ, δ) in radian at the grid coordinates (u, v): the inverse the builder needs.
@@ -232,7 +232,7 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
             let sum = table.numerator([x, y, z], height, direction);
             let crossing = crosses(z, height);
             let area = projected_solid_angle(z, height);
-            let values = (Real::max(sum, z.lit(0.0)) / area).to_array();
+            let values = (Real::max(sum, z.lit(0.0)) * Real::max(area, z.lit(1e-30)).recip()).to_array();
             out.copy_from_slice(&values[..out.len()]);
             if crossing.any_true() {
                 let depth = Real::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));

@@ -1,6 +1,8 @@
 //! Microfacet reflection with Beckmann or GGX facets, isotropic or anisotropic.
 
+use super::fresnel::GrayPolynomial;
 use super::model::ALPHA;
+use super::specular::FormulaVisitor;
 use super::{Brdf, Formula, Fresnel, Key, Model, Presence, Specular, Value, Values, half_vector};
 use crate::material::MaterialError;
 use crate::real::Real;
@@ -123,7 +125,7 @@ impl Microfacet {
         (model, Values(values))
     }
 
-    /// D(h) in sr⁻¹ for h = wi + wo of any length, and |h|². With α ≤ 1 the ratio below is at most 1, also in the limit
+    /// D(h) over [`Microfacet::scale`] for h = wi + wo of any length, and |h|². With α ≤ 1 the ratio below is at most 1, also in the limit
     /// h → 0 where `wi` and `wo` graze from opposite sides.
     #[inline(always)]
     fn d<T: Real>(&self, distribution: Distribution, h: [T; 3]) -> (T, T) {
@@ -131,16 +133,20 @@ impl Microfacet {
         let slope2 = (h[0] * one.lit(1.0 / self.alpha_x)).sq() + (h[1] * one.lit(1.0 / self.alpha_y)).sq();
         let h2 = h[0].sq() + h[1].sq() + h[2].sq();
         let tiny = one.lit(1e-30);
-        let scale = one.lit(1.0 / (PI * self.alpha_x * self.alpha_y));
         let d = match distribution {
-            Distribution::Ggx => (h2 / (slope2 + h[2].sq()).max(tiny)).sq(),
+            Distribution::Ggx => (h2 * (slope2 + h[2].sq()).max(tiny).recip()).sq(),
             Distribution::Beckmann => {
                 // e^−t (1/cos²)² with 1/cos² cut where e^−t has long vanished, so that no overflow meets the zero
-                let z2 = h[2].sq().max(h2 * one.lit(1e-8)).max(tiny);
-                (-slope2 / z2).exp() * (h2 / z2).sq()
+                let over_z2 = h[2].sq().max(h2 * one.lit(1e-8)).max(tiny).recip();
+                (-slope2 * over_z2).exp() * (h2 * over_z2).sq()
             }
         };
-        (d * scale, h2)
+        (d, h2)
+    }
+
+    /// What the distribution is multiplied by to become a density, in sr⁻¹.
+    fn scale(&self) -> f64 {
+        1.0 / (PI * self.alpha_x * self.alpha_y)
     }
 
     /// G₁(w)/cosθ.
@@ -149,15 +155,94 @@ impl Microfacet {
         let one = w[0];
         let width2 = (w[0] * one.lit(self.alpha_x)).sq() + (w[1] * one.lit(self.alpha_y)).sq();
         match distribution {
-            Distribution::Ggx => one.lit(2.0) / (w[2] + (w[2].sq() + width2).sqrt()),
+            Distribution::Ggx => one.lit(2.0) * (w[2] + (w[2].sq() + width2).max(one.lit(1e-30)).sqrt()).recip(),
             Distribution::Beckmann => {
                 // Walter's rational fit in a = cosθ/(α sinθ); 1 from a = 1.6 on
-                let width = width2.max(one.lit(1e-30)).sqrt();
-                let a = (w[2] / width).min(one.lit(1.6));
-                let fit = (a * one.lit(2.181) + one.lit(3.535))
-                    / (((a * one.lit(2.577) + one.lit(2.276)) * a + one.lit(1.0)) * width);
-                T::select(a.lt(one.lit(1.6)), fit, one.lit(1.0) / w[2].max(one.lit(1e-30)))
+                let over_width = width2.max(one.lit(1e-30)).sqrt().recip();
+                let a = (w[2] * over_width).min(one.lit(1.6));
+                let denominator = (a * one.lit(2.577) + one.lit(2.276)) * a + one.lit(1.0);
+                let fit = (a * one.lit(2.181) + one.lit(3.535)) * denominator.recip() * over_width;
+                T::select(a.lt(one.lit(1.6)), fit, w[2].max(one.lit(1e-30)).recip())
             }
+        }
+    }
+}
+
+/// Reflectance of the facets in a kernel.
+trait Reflectance {
+    /// At the cosine between `wi` and the half vector, given the squared length of wi + wo.
+    fn at<T: Real>(&self, h2: T) -> T;
+}
+
+/// Cosine between `wi` and the half vector from |wi + wo|².
+#[inline(always)]
+fn half_cosine<T: Real>(h2: T) -> T {
+    (h2 * h2.lit(0.25)).min(h2.lit(1.0)).sqrt()
+}
+
+/// Reflects everything.
+struct Mirror;
+
+impl Reflectance for Mirror {
+    #[inline(always)]
+    fn at<T: Real>(&self, h2: T) -> T {
+        h2.lit(1.0)
+    }
+}
+
+impl Reflectance for Fresnel {
+    #[inline(always)]
+    fn at<T: Real>(&self, h2: T) -> T {
+        self.gray(half_cosine(h2))
+    }
+}
+
+impl Reflectance for GrayPolynomial {
+    #[inline(always)]
+    fn at<T: Real>(&self, h2: T) -> T {
+        GrayPolynomial::at(self, half_cosine(h2))
+    }
+}
+
+/// The formula with its choices made when it is compiled: branches in the innermost loop would keep the compiler from
+/// moving what does not change out of it.
+struct Facets<'a, const GGX: bool, R>(&'a Microfacet, &'a R);
+
+impl<const GGX: bool, R> Facets<'_, GGX, R> {
+    const DISTRIBUTION: Distribution = if GGX { Distribution::Ggx } else { Distribution::Beckmann };
+}
+
+impl<const GGX: bool, R: Reflectance> Formula for Facets<'_, GGX, R> {
+    #[inline(always)]
+    fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        self.rest(wi, wo) * self.factor(wo)
+    }
+
+    #[inline(always)]
+    fn factor<T: Real>(&self, wo: [T; 3]) -> T {
+        self.0.g1_over_cos(Self::DISTRIBUTION, wo) * wo[2].lit(0.25 * self.0.scale())
+    }
+
+    #[inline(always)]
+    fn rest<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        let h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
+        let (d, h2) = self.0.d(Self::DISTRIBUTION, h);
+        d * self.0.g1_over_cos(Self::DISTRIBUTION, wi) * self.1.at(h2)
+    }
+}
+
+impl Microfacet {
+    /// Runs `visitor` on the formula compiled for this distribution and kind of reflectance; `gray` stands for the Fresnel
+    /// term, if it is there.
+    #[inline(always)]
+    pub(super) fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output {
+        match (self.distribution, self.fresnel, gray) {
+            (Distribution::Ggx, Fresnel::None, _) => visitor.visit(&Facets::<true, _>(self, &Mirror)),
+            (Distribution::Ggx, _, Some(gray)) => visitor.visit(&Facets::<true, _>(self, gray)),
+            (Distribution::Ggx, fresnel, None) => visitor.visit(&Facets::<true, _>(self, &fresnel)),
+            (Distribution::Beckmann, Fresnel::None, _) => visitor.visit(&Facets::<false, _>(self, &Mirror)),
+            (Distribution::Beckmann, _, Some(gray)) => visitor.visit(&Facets::<false, _>(self, gray)),
+            (Distribution::Beckmann, fresnel, None) => visitor.visit(&Facets::<false, _>(self, &fresnel)),
         }
     }
 }
@@ -165,11 +250,10 @@ impl Microfacet {
 impl Formula for Microfacet {
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
-        let h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-        let (d, h2) = self.d(self.distribution, h);
-        let cos_d = (h2 * h2.lit(0.25)).min(h2.lit(1.0)).sqrt();
-        let g = self.g1_over_cos(self.distribution, wi) * self.g1_over_cos(self.distribution, wo);
-        d * self.fresnel.gray(cos_d) * g * h2.lit(0.25)
+        match self.distribution {
+            Distribution::Ggx => Facets::<true, _>(self, &self.fresnel).f(wi, wo),
+            Distribution::Beckmann => Facets::<false, _>(self, &self.fresnel).f(wi, wo),
+        }
     }
 }
 
@@ -200,6 +284,6 @@ impl Brdf for Microfacet {
     fn pdf(&self, wi: DVec3, wo: DVec3) -> f64 {
         let Some((h, _)) = half_vector(wi, wo) else { return 0.0 };
         let (d, _) = self.d(Distribution::Ggx, h.to_array());
-        d * self.g1_over_cos(Distribution::Ggx, wo.to_array()) * 0.25
+        d * self.g1_over_cos(Distribution::Ggx, wo.to_array()) * (0.25 * self.scale())
     }
 }

@@ -12,10 +12,12 @@ use crate::real::Real;
 use glam::{DVec2, DVec3};
 
 pub use fresnel::Fresnel;
+pub(crate) use fresnel::GrayPolynomial;
 pub use lafortune::{Lafortune, MAX_LOBES};
 pub use microfacet::{Distribution, Microfacet};
 pub use model::{ALL, Exception, Key, Kind, Model, Presence, Value, Values};
 pub use phong::Phong;
+pub(crate) use specular::FormulaVisitor;
 pub use specular::{Specular, Visitor};
 pub use ward::{Ward, WardVariant};
 
@@ -45,4 +47,16 @@ pub trait Brdf {
 pub trait Formula {
     /// f_r(wi, wo) in sr⁻¹ for directions of the upper hemisphere (not tested here).
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T;
+
+    /// The factor of f_r that `wo` alone gives: a rule over many `wi` applies it once.
+    #[inline(always)]
+    fn factor<T: Real>(&self, wo: [T; 3]) -> T {
+        wo[2].lit(1.0)
+    }
+
+    /// f_r over [`Formula::factor`].
+    #[inline(always)]
+    fn rest<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        self.f(wi, wo)
+    }
 }

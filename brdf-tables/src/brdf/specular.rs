@@ -1,6 +1,6 @@
 //! The closed set of specular models, and the way from the set to one model's generic formula.
 
-use super::{Brdf, Formula, Lafortune, Microfacet, Phong, Values, Ward};
+use super::{Brdf, Formula, GrayPolynomial, Lafortune, Microfacet, Phong, Values, Ward};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,34 @@ pub trait Visitor {
     fn visit<M: Brdf + Formula>(self, model: &M) -> Self::Output;
 }
 
+/// As [`Visitor`], for code that needs the formula only and is worth compiling for each variant of a model.
+pub(crate) trait FormulaVisitor {
+    /// What the visit returns.
+    type Output;
+    /// Runs on the formula.
+    fn visit<F: Formula>(self, formula: &F) -> Self::Output;
+}
+
 impl Specular {
+    /// The Fresnel term as a polynomial, where there is one that is smooth enough.
+    pub(crate) fn gray_polynomial(&self) -> Option<GrayPolynomial> {
+        match self {
+            Specular::Microfacet(m) => GrayPolynomial::new(&m.fresnel),
+            _ => None,
+        }
+    }
+
+    /// Runs `visitor` on the formula; `gray` is the material's own [`Specular::gray_polynomial`].
+    #[inline(always)]
+    pub(crate) fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output {
+        match self {
+            Specular::Phong(m) => visitor.visit(m),
+            Specular::Lafortune(m) => visitor.visit(m),
+            Specular::Ward(m) => visitor.visit(m),
+            Specular::Microfacet(m) => m.visit_formula(gray, visitor),
+        }
+    }
+
     /// Runs `visitor` on the concrete model.
     #[inline(always)]
     pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {

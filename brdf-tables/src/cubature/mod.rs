@@ -11,11 +11,12 @@
 //! tails of both. The outer variable is sin(a − a_cap) = sinρ sin τ first, which removes the square root at the rim.
 
 mod footprint;
-
+mod orders;
 mod table;
 
 pub use footprint::Footprint;
-pub use table::{Cubature, Node, ORDERS, OUTER};
+pub use orders::{Node, ORDERS, OUTER};
+pub use table::Cubature;
 
 use crate::brdf::Formula;
 use crate::real::Real;
@@ -171,14 +172,14 @@ pub fn numerator<T: Real, F: Formula>(
             let wi = [cos_b * sin_a, q, cos_b * cos_a];
             let wi = if turn { turned(wi, cos_p, sin_p) } else { wi };
             let measure = jacobian * one.fill(weight) * wi[2];
-            row = measure.mul_add(formula.f(wi, wo), row);
+            row = measure.mul_add(formula.rest(wi, wo), row);
             row_area = row_area + measure;
         }
         let measure = jacobian * one.fill(weight);
         sum = measure.mul_add(row, sum);
         area = measure.mul_add(row_area, area);
     }
-    (sum, area)
+    (sum * formula.factor(wo), area)
 }
 
 /// A vector rotated about z.

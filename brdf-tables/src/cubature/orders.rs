@@ -1,0 +1,224 @@
+//! Which rule a cap takes: the nodes of a table, resampled so that a look-up needs no transcendental function.
+//!
+//! A table has nodes on [`Axes`], where a fit is efficient. A look-up divides cosθe, the azimuth and the height of the cap
+//! into bins that are found by a multiplication and a shift; a bin holds the largest of all nodes around it.
+
+use crate::axis::Axes;
+use crate::real::{LANES, Real};
+use core::f64::consts::{PI, TAU};
+use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
+use glam::Vec3;
+
+/// Orders a cell may ask for, in both directions; a table stores indices into this list.
+pub const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
+/// Order index (2 × 2) for views beyond the outer angle of a node.
+pub const OUTER: u8 = 1;
+/// Instead of an order, for views beyond the far angle of a node: the BRDF at the cap's axis stands for the mean.
+pub const FAR: u8 = ORDERS.len() as u8;
+
+/// What a table says of one node: the order index within the lobe, and the angles between `wo` and the mirrored cap axis,
+/// in steps of π/255 rounded up, beyond which the 2 × 2 rule and the BRDF at the axis do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Node {
+    /// Index into [`ORDERS`].
+    pub order: u8,
+    /// Where [`OUTER`] begins to do.
+    pub outer: u8,
+    /// Where the BRDF at the axis begins to do.
+    pub far: u8,
+}
+
+impl Node {
+    /// The larger of each number.
+    fn or(self, other: Self) -> Self {
+        Self { order: self.order.max(other.order), outer: self.outer.max(other.outer), far: self.far.max(other.far) }
+    }
+
+    /// The order in the low 4 bits, then the squares of the chords of `outer` and `far`, (2 sin ½s)², in 14 bits each.
+    fn packed(self) -> u32 {
+        let chord2 = |angle: u8| (2.0 * (0.5 * PI * f64::from(angle) / 255.0).sin()).powi(2);
+        let bits = |angle: u8| ((chord2(angle) * CHORD_STEPS).ceil() as u32).min(CHORD_MASK);
+        u32::from(self.order) | bits(self.outer) << 4 | bits(self.far) << 18
+    }
+}
+
+const CHORD_MASK: u32 = (1 << 14) - 1;
+/// Squared chords are at most 4.
+const CHORD_STEPS: f64 = CHORD_MASK as f64 / 4.0;
+
+/// Bins in cosθe, and in the azimuth of an anisotropic material.
+const COSINES: usize = 64;
+const AZIMUTHS: usize = 8;
+/// Heights from 2⁻²⁰ to 1, four bins to an octave: the exponent and two bits of the mantissa.
+const SHIFT: u32 = 21;
+const FIRST: u32 = (127 - 20) << 2;
+const LAST: u32 = 127 << 2;
+const HEIGHTS: usize = (LAST - FIRST + 1) as usize;
+
+/// The bins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orders {
+    azimuths: usize,
+    bins: Vec<u32>,
+    largest: u8,
+}
+
+impl Orders {
+    /// From the nodes of `axes`; `None` when an order index or the count is wrong.
+    pub fn new(axes: Axes, nodes: &[Node]) -> Option<Self> {
+        if nodes.len() != axes.len() || nodes.iter().any(|n| n.order >= FAR) {
+            return None;
+        }
+        let azimuths = if axes.phi == 1 { 1 } else { AZIMUTHS };
+        let mut bins = Vec::with_capacity(COSINES * azimuths * HEIGHTS);
+        let cosine = |i: usize| i as f64 / COSINES as f64;
+        // |y|/(|x| + |y|) of a horizontal direction is uniform in the bins.
+        let azimuth = |i: usize| {
+            let t = i as f64 / azimuths as f64;
+            t.atan2(1.0 - t)
+        };
+        for z in 0..COSINES {
+            let theta = nodes_between(cosine(z + 1).acos(), cosine(z).acos(), |x| axes.theta_place(x).index);
+            for a in 0..azimuths {
+                let phi = if axes.phi == 1 {
+                    [0, 0]
+                } else {
+                    nodes_between(azimuth(a), azimuth(a + 1), |x| axes.phi_place(x).index)
+                };
+                for bin in FIRST..=LAST {
+                    let low = if bin == FIRST { 0.0 } else { f32::from_bits(bin << SHIFT) };
+                    let high = f32::from_bits((bin + 1) << SHIFT).min(1.0);
+                    let solid_angle = [low, high].map(|h| TAU * f64::from(h));
+                    let omega = nodes_between(solid_angle[0], solid_angle[1], |x| axes.omega_place(x).index);
+                    let mut node = Node::default();
+                    for t in theta[0]..=theta[1] {
+                        for p in phi[0]..=phi[1] {
+                            for o in omega[0]..=omega[1] {
+                                node = node.or(nodes[axes.index(t, p, o)]);
+                            }
+                        }
+                    }
+                    bins.push(node.packed());
+                }
+            }
+        }
+        let largest = nodes.iter().map(|n| n.order).max().unwrap_or(0);
+        Some(Self { azimuths, bins, largest })
+    }
+
+    /// The largest order index.
+    pub fn largest(&self) -> usize {
+        usize::from(self.largest)
+    }
+
+    /// The order index of a cap, or [`FAR`].
+    pub fn of(&self, axis: Vec3, height: f32, wo: Vec3) -> u8 {
+        let z = ((axis.z * COSINES as f32) as usize).min(COSINES - 1);
+        let (x, y) = (axis.x.abs(), axis.y.abs());
+        let a = ((y / (x + y).max(1e-30) * self.azimuths as f32) as usize).min(self.azimuths - 1);
+        let h = ((height.to_bits() >> SHIFT).clamp(FIRST, LAST) - FIRST) as usize;
+        let bin = self.bins[(z * self.azimuths + a) * HEIGHTS + h];
+        let distance2 = (wo - Vec3::new(-axis.x, -axis.y, axis.z)).length_squared() * CHORD_STEPS as f32;
+        let order = (bin & 15) as u8;
+        match distance2 {
+            d if d > (bin >> 18) as f32 => FAR,
+            d if d > (bin >> 4 & CHORD_MASK) as f32 => order.min(OUTER),
+            _ => order,
+        }
+    }
+
+    /// [`Orders::of`] for a vector of caps.
+    #[inline(always)]
+    pub fn of_lanes<S: Simd>(&self, simd: S, [x, y, z, height]: [f32x16<S>; 4], wo: Vec3) -> [u32; LANES] {
+        let count = self.azimuths as f64;
+        let cosine: u32x16<S> = (z * z.lit(COSINES as f64)).to_int();
+        let bits: u32x16<S> = height.bitcast();
+        let height = (bits >> SHIFT).max(FIRST).min(LAST) - FIRST;
+        let mut row = cosine.min(COSINES as u32 - 1);
+        if self.azimuths > 1 {
+            let (ax, ay) = (Real::abs(x), Real::abs(y));
+            let azimuth: u32x16<S> = (ay / Real::max(ax + ay, x.lit(1e-30)) * x.lit(count)).to_int();
+            row = row * self.azimuths as u32 + azimuth.min(self.azimuths as u32 - 1);
+        }
+        let index = (row * HEIGHTS as u32 + height).to_array();
+        let last = self.bins.len() - 1;
+        let bins = u32x16::load_array(simd, index.map(|i| self.bins[(i as usize).min(last)]));
+        let distance2 = ((x + wo.x).sq() + (y + wo.y).sq() + (z - wo.z).sq()) * x.lit(CHORD_STEPS);
+        let order = bins & 15;
+        let (outer, far): (f32x16<S>, f32x16<S>) = ((bins >> 4 & CHORD_MASK).to_float(), (bins >> 18).to_float());
+        let order = distance2.simd_gt(outer).select(order.min(u32::from(OUTER)), order);
+        let far_away = u32x16::splat(simd, u32::from(FAR));
+        distance2.simd_gt(far).select(far_away, order).to_array()
+    }
+}
+
+/// First and last node of the intervals that two coordinates, in ascending order, span.
+fn nodes_between(low: f64, high: f64, interval: impl Fn(f64) -> usize) -> [usize; 2] {
+    [interval(low), interval(high) + 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cap::Cap;
+    use core::f64::consts::FRAC_PI_2;
+    use fearless_simd::{Level, dispatch};
+
+    /// A bin is never below the nodes around a cap, for an isotropic and an anisotropic grid.
+    #[test]
+    fn bins_cover_the_nodes_around() {
+        for phi in [1, 5] {
+            let axes = Axes { theta: 9, phi, omega: 11, sharpness: 60.0, stretch: 0.5 };
+            let nodes: Vec<Node> = (0..axes.len())
+                .map(|i| Node { order: (i * 7 % 10) as u8, outer: (i * 31 % 200) as u8, far: (i * 57 % 256) as u8 })
+                .collect();
+            let orders = Orders::new(axes, &nodes).unwrap();
+            for i in 0..2000 {
+                let u = |k: f64| (f64::from(i) * k).fract();
+                let cap = Cap::new(FRAC_PI_2 * u(0.618), TAU * u(0.414), TAU * u(0.733).powi(6).max(1e-12)).unwrap();
+                let (t, p, o) = (
+                    axes.theta_place(cap.theta()).index,
+                    axes.phi_place(cap.axis().y.atan2(cap.axis().x)).index,
+                    axes.omega_place(cap.solid_angle()).index,
+                );
+                let p_end = if phi == 1 { p } else { p + 1 };
+                let at_least = [t, t + 1]
+                    .into_iter()
+                    .flat_map(|t| [p, p_end].into_iter().flat_map(move |p| [(t, p, o), (t, p, o + 1)]))
+                    .fold(0, |a, (t, p, o)| a.max(nodes[axes.index(t, p, o)].order));
+                // Seen from the mirror direction the order within the lobe holds.
+                let (axis, height) = (cap.axis().as_vec3(), cap.height() as f32);
+                let wo = Vec3::new(-axis.x, -axis.y, axis.z);
+                assert!(orders.of(axis, height, wo) >= at_least, "{cap:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_and_scalar_agree() {
+        #[inline(always)]
+        fn check<S: Simd>(simd: S, orders: &Orders) {
+            for i in 0..2000 {
+                let u = |k: f64| (f64::from(i) * k).fract();
+                let cap = Cap::new(FRAC_PI_2 * u(0.618), TAU * u(0.414), TAU * u(0.733).powi(6).max(1e-12)).unwrap();
+                let wo = crate::frame::spherical(1.5 * u(0.271), TAU * u(0.161)).as_vec3();
+                let (axis, height) = (cap.axis().as_vec3(), cap.height() as f32);
+                let lanes = [axis.x, axis.y, axis.z, height].map(|x| f32x16::splat(simd, x));
+                let found = orders.of_lanes(simd, lanes, wo);
+                assert_eq!(found, [u32::from(orders.of(axis, height, wo)); LANES], "{cap:?}");
+            }
+        }
+        let axes = Axes { theta: 5, phi: 3, omega: 7, sharpness: 20.0, stretch: 1.0 };
+        let nodes: Vec<Node> = (0..axes.len()).map(|i| Node { order: (i % 10) as u8, outer: 40, far: 120 }).collect();
+        let orders = Orders::new(axes, &nodes).unwrap();
+        dispatch!(Level::new(), simd => check(simd, &orders));
+    }
+
+    #[test]
+    fn wrong_nodes_are_refused() {
+        let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
+        let node = Node { order: FAR, outer: 0, far: 0 };
+        assert!(Orders::new(axes, &[Node::default(); 4]).is_some());
+        assert!(Orders::new(axes, &[Node::default(); 3]).is_none() && Orders::new(axes, &[node; 4]).is_none());
+    }
+}
