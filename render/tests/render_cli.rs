@@ -236,3 +236,29 @@ fn what_caches_cannot_do_is_refused() {
     folder.bad("image glossy.xml --method eas --tables made --cache x.cache -o a.png", "x.cache");
     folder.bad("image glossy.xml --method eas -o a.jpg", ".png");
 }
+
+/// A run that is killed leaves either no cache file, the one that was there, or a whole new one, and the next run goes on.
+#[test]
+fn killed_runs_leave_whole_cache_files() {
+    let folder = Folder::new();
+    let command = "image scene.xml --method irradiance --tau 0.2 --spp 1 --cache box.cache -o out.exr";
+    folder.ok(command);
+    let good = std::fs::read(folder.path("box.cache")).unwrap();
+    let binary = assert_cmd::cargo::cargo_bin("render");
+    for milliseconds in [0, 5, 10, 20, 40, 80] {
+        let mut run = std::process::Command::new(&binary)
+            .current_dir(folder.0.path())
+            .args(command.split_whitespace())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+        run.kill().unwrap();
+        run.wait().unwrap();
+        assert!(std::fs::read(folder.path("box.cache")).unwrap() == good, "killed after {milliseconds} ms");
+        folder.ok(command);
+        // A first run has nothing to fall back to.
+        std::fs::remove_file(folder.path("box.cache")).unwrap();
+        folder.ok(command);
+    }
+}

@@ -35,7 +35,7 @@ fn the_same_bytes_for_any_number_of_threads() {
         pool.install(|| cached(&world, Allowed::Auto, 0.1, 4)).0.image().pixels
     };
     let one = with(1);
-    assert!(one == with(2) && one == with(7));
+    assert!(one == with(2) && one == with(7) && one == with(64));
 }
 
 /// A scene that is a thousand times smaller or larger gives the same picture but for rounding.
