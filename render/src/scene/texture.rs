@@ -195,6 +195,16 @@ impl ColorTexture {
         }
     }
 
+    /// The same times `factor`.
+    pub fn times(self, factor: Rgb) -> Self {
+        match self {
+            _ if factor == Rgb::ONE => self,
+            Self::Constant(c) => Self::Constant(c * factor),
+            Self::Texture(t) => Self::Scaled(t, factor),
+            Self::Scaled(t, c) => Self::Scaled(t, c * factor),
+        }
+    }
+
     /// Mean over texture space.
     pub fn mean(&self, textures: &[Texture]) -> Rgb {
         match *self {

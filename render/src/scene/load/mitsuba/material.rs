@@ -166,12 +166,8 @@ impl Builder<'_> {
             return Ok((diffuse, specular));
         }
         self.warn(object, "diffuse and specular reflectance exceed 1 together: both are scaled, as Mitsuba 0.6 does");
-        let scale = |c| match c {
-            ColorTexture::Constant(c) => ColorTexture::Constant(c * (0.99 / largest)),
-            ColorTexture::Texture(t) => ColorTexture::Scaled(t, Rgb::splat(0.99 / largest)),
-            ColorTexture::Scaled(t, c) => ColorTexture::Scaled(t, c * (0.99 / largest)),
-        };
-        Ok((scale(diffuse), scale(specular)))
+        let factor = Rgb::splat(0.99 / largest);
+        Ok((diffuse.times(factor), specular.times(factor)))
     }
 
     fn ward(&mut self, object: &Object) -> Result<Material, LoadError> {
