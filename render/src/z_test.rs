@@ -51,6 +51,8 @@ pub struct ZTest {
     pub blocks: ZScores,
     /// Squares of [`TILE`]² pixels.
     pub tiles: ZScores,
+    /// The picture as one place.
+    pub whole: ZScores,
 }
 
 /// Pixels along a block's side.
@@ -103,7 +105,7 @@ impl ZScores {
 impl ZTest {
     /// Whether every scale passes.
     pub fn passed(&self) -> bool {
-        self.pixels.passed() && self.blocks.passed() && self.tiles.passed()
+        [self.pixels, self.blocks, self.tiles, self.whole].iter().all(ZScores::passed)
     }
 }
 
@@ -155,7 +157,8 @@ pub fn z_test(image: &Image, noise: &Image, reference: &Image, share: f64) -> Re
         ZScores::of(&places)
     };
     let pixels: Vec<Place> = (0..w * h).map(pixel).collect();
-    Ok(ZTest { pixels: ZScores::of(&pixels), blocks: squares(BLOCK), tiles: squares(TILE) })
+    let whole = squares(w.max(h).max(1));
+    Ok(ZTest { pixels: ZScores::of(&pixels), blocks: squares(BLOCK), tiles: squares(TILE), whole })
 }
 
 /// The z beyond which, on both sides, lies the share `p` of the normal distribution: bisection on [`two_sided_tail`].
@@ -241,6 +244,8 @@ mod tests {
         assert!(found(&region(0.001)) <= 1 && found(&object(0.001)) <= 1);
         let tiles = test(&|_, _| 0.0, 0).tiles;
         let error = s * (1.0 + share).sqrt() / TILE as f64;
+        let whole = test(&|_, _| 0.0005, 0).whole;
+        assert!(whole.count == 1 && !whole.passed() && whole.finds < 0.0005, "{whole:?}");
         assert!((tiles.finds / (tiles.limit * error) - 1.0).abs() < 0.01 && tiles.finds < 0.005, "{tiles:?}");
     }
 }

@@ -97,7 +97,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     };
     let text = match &z_test {
         Some(z) if !args.json => {
-            text + &table("pixels", &z.pixels) + &table("blocks", &z.blocks) + &table("tiles", &z.tiles)
+            let scales = [("pixels", z.pixels), ("blocks", z.blocks), ("tiles", z.tiles), ("picture", z.whole)];
+            scales.iter().fold(text, |text, (name, scores)| text + &table(name, scores))
         }
         _ => text,
     };
