@@ -225,4 +225,13 @@ impl FloatTexture {
             Self::Scaled(t, c) => textures[t.0 as usize].eval(uv).x * c,
         }
     }
+
+    /// Mean over texture space.
+    pub fn mean(&self, textures: &[Texture]) -> f32 {
+        match *self {
+            Self::Constant(c) => c,
+            Self::Texture(t) => textures[t.0 as usize].mean().x,
+            Self::Scaled(t, c) => textures[t.0 as usize].mean().x * c,
+        }
+    }
 }

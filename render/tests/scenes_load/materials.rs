@@ -263,6 +263,10 @@ fn substitutes_are_announced_once() {
         ("<bsdf type='roughdiffuse'/>", "`roughdiffuse` is drawn as `diffuse`"),
         ("<bsdf type='coating'><bsdf type='diffuse'/></bsdf>", "drawn as the bsdf inside"),
         ("<bsdf type='principled'/>", "`principled` is drawn with"),
+        (
+            "<bsdf type='roughplastic'><texture type='checkerboard' name='alpha'/></bsdf>",
+            "`alpha` of `roughplastic` is drawn as its mean",
+        ),
         ("<bsdf type='roughconductor'><string name='distribution' value='phong'/></bsdf>", "drawn as `beckmann`"),
         ("<medium type='homogeneous' name='interior'/><bsdf type='diffuse'/>", "drawn without it"),
     ] {
@@ -271,6 +275,14 @@ fn substitutes_are_announced_once() {
     }
     assert!(error("<shape type='cube'><bsdf type='hk'/></shape>").ends_with("the bsdf `hk` is not supported"));
     assert!(error("<shape type='cube'><bsdf type='diffuse'/><bsdf type='phong'/></shape>").contains("has two"));
+}
+
+#[test]
+fn a_rough_coat_with_a_texture_takes_its_mean() {
+    let bsdf = "<bsdf type='roughplastic'><texture type='checkerboard' name='alpha'><rgb name='color0' value='0.1'/>
+        <rgb name='color1' value='0.3'/></texture></bsdf>";
+    let (scene, _) = Folder::new().scene(&format!("<shape type='cube'>{bsdf}</shape>")).unwrap();
+    assert!(matches!(scene.materials[0], Material::RoughPlastic { alpha, .. } if (alpha - 0.2).abs() < 1e-6));
 }
 
 #[test]
