@@ -1,7 +1,7 @@
 //! Primary rays.
 
 use crate::ray::Ray;
-use crate::scene::{Camera, Filter};
+use crate::scene::{Camera, Filter, Projection};
 use glam::{Affine3A, Vec2, Vec3A};
 
 /// Intervals of the tabulated filter inverse.
@@ -11,7 +11,9 @@ const TABLE: usize = 256;
 #[derive(Clone, Debug)]
 pub struct RayGenerator {
     to_world: Affine3A,
-    /// Half extents of the film at unit depth.
+    /// Whether rays are parallel.
+    parallel: bool,
+    /// Half extents of what the film shows, at unit depth.
     half: Vec2,
     center: Vec2,
     inverse_size: Vec2,
@@ -75,10 +77,14 @@ impl RayGenerator {
     /// Prepares the camera.
     pub fn new(camera: &Camera) -> Self {
         let size = Vec2::new(camera.film.width as f32, camera.film.height as f32);
-        let tan = (0.5 * camera.fov_x).tan();
+        let (half_width, parallel) = match camera.projection {
+            Projection::Perspective { fov_x } => ((0.5 * fov_x).tan(), false),
+            Projection::Orthographic { half_width } => (half_width, true),
+        };
         Self {
             to_world: camera.to_world,
-            half: Vec2::new(tan, tan * size.y / size.x),
+            parallel,
+            half: Vec2::new(half_width, half_width * size.y / size.x),
             center: 0.5 + camera.principal_point,
             inverse_size: size.recip(),
             clip: (camera.near, camera.far),
@@ -92,7 +98,16 @@ impl RayGenerator {
     pub fn ray(&self, x: u32, y: u32, u: Vec2) -> Ray {
         let offset = Vec2::new(self.offset.sample(u.x), self.offset.sample(u.y));
         let film = (Vec2::new(x as f32, y as f32) + 0.5 + offset) * self.inverse_size;
-        let local = (2.0 * (self.center - film) * self.half).extend(1.0);
+        let place = 2.0 * (self.center - film) * self.half;
+        if self.parallel {
+            return Ray {
+                origin: self.to_world.transform_point3a(place.extend(0.0).into()),
+                direction: self.to_world.matrix3.z_axis.normalize(),
+                t_min: self.clip.0,
+                t_max: self.clip.1,
+            };
+        }
+        let local = place.extend(1.0);
         let length = local.length();
         Ray {
             origin: self.to_world.translation,
@@ -109,9 +124,19 @@ impl RayGenerator {
         if local.z <= 0.0 || self.depth(p) < self.clip.0 || self.depth(p) > self.clip.1 {
             return None;
         }
-        let film = self.center - Vec2::new(local.x, local.y) / (2.0 * local.z * self.half);
+        let distance = if self.parallel { 1.0 } else { local.z };
+        let film = self.center - Vec2::new(local.x, local.y) / (2.0 * distance * self.half);
         let pixel = film / self.inverse_size;
         pixel.is_finite().then_some((pixel.x, pixel.y))
+    }
+
+    /// Where the ray that sees `p` starts.
+    pub fn eye(&self, p: Vec3A) -> Vec3A {
+        if self.parallel {
+            p - self.to_world.matrix3.z_axis.normalize() * self.depth(p)
+        } else {
+            self.to_world.translation
+        }
     }
 
     /// Depth along the axis of a point on a ray made by [`RayGenerator::ray`].
@@ -129,7 +154,8 @@ mod tests {
     #[test]
     fn corners_lie_on_the_frustum_and_x_points_left() {
         let film = Film { width: 200, height: 100, crop: None, filter: Filter::Box { radius: 0.5 } };
-        let camera = Camera { fov_x: 90f32.to_radians(), film, ..Camera::default() };
+        let projection = Projection::Perspective { fov_x: 90f32.to_radians() };
+        let camera = Camera { projection, film, ..Camera::default() };
         let generator = RayGenerator::new(&camera);
         let d = generator.ray(0, 0, Vec2::ZERO).direction;
         assert!((d / d.z - Vec3A::new(1.0, 0.5, 1.0)).length() < 1e-6, "{d}");
@@ -142,13 +168,29 @@ mod tests {
         let film = Film { width: 200, height: 120, crop: None, filter: Filter::Box { radius: 0.5 } };
         let to_world = Affine3A::from_rotation_y(0.7) * Affine3A::from_translation(glam::Vec3::new(1.0, -2.0, 3.0));
         let principal_point = Vec2::new(0.1, -0.05);
-        let camera = Camera { fov_x: 1.0, film, to_world, principal_point, ..Camera::default() };
-        let generator = RayGenerator::new(&camera);
-        for (x, y) in [(0, 0), (199, 119), (57, 101)] {
-            let ray = generator.ray(x, y, Vec2::new(0.5, 0.5));
-            let (u, v) = generator.project(ray.origin + 7.0 * ray.direction).unwrap();
-            assert!((u - x as f32 - 0.5).abs() < 1e-2 && (v - y as f32 - 0.5).abs() < 1e-2, "{x} {y}: {u} {v}");
-            assert_eq!(generator.project(ray.origin - 7.0 * ray.direction), None);
+        for projection in [Projection::Perspective { fov_x: 1.0 }, Projection::Orthographic { half_width: 3.0 }] {
+            let camera = Camera { projection, film: film.clone(), to_world, principal_point, ..Camera::default() };
+            let generator = RayGenerator::new(&camera);
+            for (x, y) in [(0, 0), (199, 119), (57, 101)] {
+                let ray = generator.ray(x, y, Vec2::new(0.5, 0.5));
+                let p = ray.origin + 7.0 * ray.direction;
+                let (u, v) = generator.project(p).unwrap();
+                assert!((u - x as f32 - 0.5).abs() < 1e-2 && (v - y as f32 - 0.5).abs() < 1e-2, "{x} {y}: {u} {v}");
+                assert_eq!(generator.project(ray.origin - 7.0 * ray.direction), None);
+                assert!((generator.eye(p) - ray.origin).length() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn parallel_rays_start_on_the_film_and_x_points_left() {
+        let film = Film { width: 200, height: 100, crop: None, filter: Filter::Box { radius: 0.5 } };
+        let projection = Projection::Orthographic { half_width: 3.0 };
+        let generator = RayGenerator::new(&Camera { projection, film, ..Camera::default() });
+        for (pixel, u, corner) in [((0, 0), Vec2::ZERO, (3.0, 1.5)), ((199, 99), Vec2::ONE, (-3.0, -1.5))] {
+            let ray = generator.ray(pixel.0, pixel.1, u);
+            assert!((ray.origin - Vec3A::new(corner.0, corner.1, 0.0)).length() < 1e-5, "{}", ray.origin);
+            assert_eq!((ray.direction, ray.t_min, ray.t_max), (Vec3A::Z, 1e-2, 1e4));
         }
     }
 

@@ -11,6 +11,7 @@ pub mod image;
 pub mod inspect;
 pub mod integrator;
 pub mod light;
+mod math;
 pub mod metric;
 pub mod ray;
 pub mod record;

@@ -1,8 +1,9 @@
 //! Microfacets in single precision: distribution, shadowing, sampling of the visible normals.
 
+use crate::math::sin_cos_turn;
 use crate::scene::Distribution;
 use brdf_tables::brdf::{self, Formula, Fresnel, Microfacet};
-use core::f32::consts::{PI, TAU};
+use core::f32::consts::PI;
 use glam::{Vec2, Vec3A};
 
 /// Smallest roughness: below it single precision resolves the lobe no more.
@@ -66,7 +67,7 @@ impl Facets {
         let view = (alpha * wo).normalize();
         let z = (1.0 - u.x) * (1.0 + view.z) - view.z;
         let r = (1.0 - z * z).max(0.0).sqrt();
-        let (s, c) = (TAU * u.y).sin_cos();
+        let (s, c) = sin_cos_turn(u.y);
         (alpha * (Vec3A::new(r * c, r * s, z) + view)).try_normalize().filter(|h| h.z > 0.0 && wo.dot(*h) > 0.0)
     }
 

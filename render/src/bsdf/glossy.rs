@@ -2,9 +2,10 @@
 
 use super::{Scatter, Split, Value, mirror};
 use crate::frame::{Frame, cosine_hemisphere};
+use crate::math::sin_cos_turn;
 use crate::scene::Rgb;
 use brdf_tables::brdf::{Formula, Phong, Ward};
-use core::f32::consts::{FRAC_1_PI, PI, TAU};
+use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
 /// The specular part at unit strength.
@@ -58,13 +59,13 @@ impl Glossy {
             Lobe::Phong(m) => {
                 let cos = u.x.powf(1.0 / (m.exponent as f32 + 1.0));
                 let sin = (1.0 - cos * cos).max(0.0).sqrt();
-                let (s, c) = (TAU * u.y).sin_cos();
+                let (s, c) = sin_cos_turn(u.y);
                 Frame::from_normal(mirror(wo)).to_world(Vec3A::new(sin * c, sin * s, cos))
             }
             // Gaussian slopes of the half vector (Walter 2005, "Notes on the Ward BRDF", eq. 6 and 7).
             Lobe::Ward(m) => {
                 let radius = (-(1.0 - u.x).ln()).sqrt();
-                let (s, c) = (TAU * u.y).sin_cos();
+                let (s, c) = sin_cos_turn(u.y);
                 let h = Vec3A::new(m.alpha_x as f32 * radius * c, m.alpha_y as f32 * radius * s, 1.0).normalize();
                 if wo.dot(h) <= 0.0 {
                     return None;

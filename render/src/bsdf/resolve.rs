@@ -82,14 +82,14 @@ impl World {
                 Model::Glossy(Glossy::new(diffuse.eval(textures, uv), specular.eval(textures, uv), Lobe::Ward(lobe)))
             }
             Material::Conductor { eta, k, specular } => {
-                Model::Mirror(Mirror { eta: *eta, k: *k, specular: specular.eval(textures, uv) })
+                let [eta, k, specular] = [eta, k, specular].map(|c| c.eval(textures, uv));
+                Model::Mirror(Mirror { eta, k, specular })
             }
             Material::RoughConductor { distribution, alpha_u, alpha_v, eta, k, specular } => {
                 let alpha = Vec2::new(alpha_u.eval(textures, uv), alpha_v.eval(textures, uv));
-                Model::RoughMetal(RoughMetal {
-                    facets: Facets::new(*distribution, alpha),
-                    smooth: Mirror { eta: *eta, k: *k, specular: specular.eval(textures, uv) },
-                })
+                let [eta, k, specular] = [eta, k, specular].map(|c| c.eval(textures, uv));
+                let facets = Facets::new(*distribution, alpha);
+                Model::RoughMetal(RoughMetal { facets, smooth: Mirror { eta, k, specular } })
             }
             Material::Dielectric { eta, reflectance, transmittance } => Model::Dielectric(Dielectric {
                 eta: *eta,

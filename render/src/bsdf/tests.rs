@@ -17,7 +17,7 @@ fn f(x: f32) -> FloatTexture {
 
 /// The models, with the largest albedo each may have (1, up to the error of the estimate).
 fn materials() -> Vec<(&'static str, Material, f64)> {
-    let (eta, k) = (Rgb::new(1.66, 0.88, 0.52), Rgb::new(9.2, 6.3, 4.8));
+    let [eta, k] = [[1.66, 0.88, 0.52], [9.2, 6.3, 4.8]].map(|x| ColorTexture::Constant(Rgb::from_array(x)));
     let rough = |distribution, u, v| Material::RoughConductor {
         distribution,
         alpha_u: f(u),

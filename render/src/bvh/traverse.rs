@@ -21,10 +21,11 @@ impl TriangleBvh {
     }
 }
 
-/// Entries the stack holds without touching the heap.
+/// Entries the stack holds without touching the heap; more than a node's children.
 const INLINE: usize = 48;
 
-/// Pending subtrees: entry distance (as ordered bits) above the reference. Trees of any depth fit.
+/// Pending subtrees: entry distance (as ordered bits) above the reference. Trees of any depth fit: what comes when the
+/// inline part is full goes to the heap, and is taken from there first.
 struct Stack {
     len: usize,
     inline: [u64; INLINE],
@@ -37,15 +38,40 @@ impl Stack {
         Self { len: 0, inline: [0; INLINE], spill: Vec::new() }
     }
 
+    /// Pushes entries, at most as many as a node has children, so that the smallest is popped first.
     #[inline(always)]
-    fn push(&mut self, entry: u64) {
-        match self.inline.get_mut(self.len) {
-            Some(slot) => {
-                *slot = entry;
-                self.len += 1;
+    fn push(&mut self, entries: impl Iterator<Item = u64>) {
+        let Some(free) = self.inline.get_mut(self.len..).and_then(<[u64]>::first_chunk_mut::<WIDTH>) else {
+            let start = self.spill.len();
+            self.spill.extend(entries);
+            self.spill[start..].sort_unstable_by(|a, b| b.cmp(a));
+            return;
+        };
+        // Insertion without a branch on the values: processors foresee the number of steps, but no distances.
+        let mut count = 0;
+        for mut entry in entries {
+            for i in (1..=count).rev() {
+                (free[i], entry) = (free[i - 1].min(entry), free[i - 1].max(entry));
             }
-            None => self.spill.push(entry),
+            free[0] = entry;
+            count += 1;
         }
+        self.len += count;
+    }
+
+    /// Pushes entries, at most as many as a node has children, in no order.
+    #[inline(always)]
+    fn push_any(&mut self, entries: impl Iterator<Item = u64>) {
+        let Some(free) = self.inline.get_mut(self.len..).and_then(<[u64]>::first_chunk_mut::<WIDTH>) else {
+            self.spill.extend(entries);
+            return;
+        };
+        let mut count = 0;
+        for entry in entries {
+            free[count] = entry;
+            count += 1;
+        }
+        self.len += count;
     }
 
     #[inline(always)]
@@ -186,15 +212,13 @@ fn nearest<S: Simd>(
             // Take the nearest accepted triangle of the leaf.
             let leaf = &bvh.leaves[(current & !LEAF) as usize];
             let (mask, values) = triangles.test(simd, leaf, ray.t_min, hit.t);
-            let mut lanes = mask.to_bitmask() as u32;
+            let lanes = mask.to_bitmask() as u32;
             if lanes != 0 {
                 let [mut t, mut b1, mut b2] = [[0f32; WIDTH]; 3];
                 values[0].store_array(&mut t);
                 values[1].store_array(&mut b1);
                 values[2].store_array(&mut b2);
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    lanes &= lanes - 1;
+                for lane in Lanes(lanes) {
                     if t[lane] < hit.t && accept(leaf.ids[lane], b1[lane], b2[lane]) {
                         *hit = Hit { t: t[lane], b1: b1[lane], b2: b2[lane], primitive: leaf.ids[lane], ..*hit };
                         found = true;
@@ -212,14 +236,14 @@ fn nearest<S: Simd>(
                 let entry = |lane: usize| u64::from(t[lane].to_bits()) << 32 | u64::from(node.children[lane]);
                 let mut best = entry(lanes.trailing_zeros() as usize);
                 lanes &= lanes - 1;
-                let first = stack.len;
-                while lanes != 0 {
-                    let other = entry(lanes.trailing_zeros() as usize);
-                    lanes &= lanes - 1;
-                    stack.push(best.max(other));
-                    best = best.min(other);
+                if lanes != 0 {
+                    stack.push(Lanes(lanes).map(|lane| {
+                        let other = entry(lane);
+                        let farther = best.max(other);
+                        best = best.min(other);
+                        farther
+                    }));
                 }
-                sort_descending(&mut stack, first);
                 current = best as u32;
                 continue;
             }
@@ -234,17 +258,18 @@ fn nearest<S: Simd>(
     }
 }
 
-/// Orders the entries from `first` on so that the nearest is popped first. Entries on the heap stay as they came:
-/// the order is only a matter of speed.
-#[inline(always)]
-fn sort_descending(stack: &mut Stack, first: usize) {
-    let entries = &mut stack.inline[first.min(INLINE)..stack.len];
-    for i in 1..entries.len() {
-        let mut j = i;
-        while j > 0 && entries[j - 1] < entries[j] {
-            entries.swap(j - 1, j);
-            j -= 1;
-        }
+/// The lanes of a bit mask, lowest first.
+struct Lanes(u32);
+
+impl Iterator for Lanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        let any = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        any.then_some(lane)
     }
 }
 
@@ -252,28 +277,23 @@ fn sort_descending(stack: &mut Stack, first: usize) {
 fn any<S: Simd>(simd: S, bvh: &TriangleBvh, root: u32, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
     let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
     let mut stack = Stack::new();
-    stack.push(u64::from(root));
-    while let Some(entry) = stack.pop() {
+    let mut next = Some(u64::from(root));
+    while let Some(entry) = next {
         let current = entry as u32;
         if current & LEAF != 0 {
             let leaf = &bvh.leaves[(current & !LEAF) as usize];
             let (mask, [_, b1, b2]) = triangles.test(simd, leaf, ray.t_min, ray.t_max);
-            let mut lanes = mask.to_bitmask() as u32;
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize;
-                lanes &= lanes - 1;
+            for lane in Lanes(mask.to_bitmask() as u32) {
                 if accept(leaf.ids[lane], b1.as_slice()[lane], b2.as_slice()[lane]) {
                     return true;
                 }
             }
         } else {
             let node = &bvh.nodes[current as usize];
-            let mut lanes = boxes.test(simd, node, ray.t_min, ray.t_max).1.to_bitmask() as u32;
-            while lanes != 0 {
-                stack.push(u64::from(node.children[lanes.trailing_zeros() as usize]));
-                lanes &= lanes - 1;
-            }
+            let lanes = boxes.test(simd, node, ray.t_min, ray.t_max).1.to_bitmask() as u32;
+            stack.push_any(Lanes(lanes).map(|lane| u64::from(node.children[lane])));
         }
+        next = stack.pop();
     }
     false
 }

@@ -62,12 +62,13 @@ fn judge(args: &Args, image: &Image, reference: &Image) -> Result<ZTest> {
 
 /// A line of figures for people.
 fn table(name: &str, z: &ZScores) -> String {
-    let ZScores { count, mean, deviation, beyond_3, max, limit } = *z;
+    let ZScores { count, mean, deviation, beyond_3, max, limit, finds } = *z;
     let verdict = if z.passed() { "passed" } else { "FAILED" };
     format!(
         "z of {count} {name}: mean {mean:+.3}, deviation {deviation:.3}, beyond 3: {:.3} % (normal: 0.270 %), \
-         max {max:.2} (limit {limit:.2}): {verdict}\n",
-        100.0 * beyond_3
+         max {max:.2} (limit {limit:.2}): {verdict}; finds a bias of {:.2} % of one\n",
+        100.0 * beyond_3,
+        100.0 * finds
     )
 }
 
@@ -95,7 +96,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         )
     };
     let text = match &z_test {
-        Some(z) if !args.json => text + &table("pixels", &z.pixels) + &table("blocks", &z.blocks),
+        Some(z) if !args.json => {
+            let scales = [("pixels", z.pixels), ("blocks", z.blocks), ("tiles", z.tiles), ("picture", z.whole)];
+            scales.iter().fold(text, |text, (name, scores)| text + &table(name, scores))
+        }
         _ => text,
     };
     // A reader that has seen enough is no error.

@@ -91,7 +91,7 @@ impl Overlay<'_> {
     }
 
     fn hidden(&self, p: Vec3A) -> bool {
-        let eye = self.world.scene.camera.to_world.translation;
+        let eye = self.camera.eye(p);
         let ray = Ray { t_max: 1.0 - 1e-3, ..Ray::new(eye, p - eye) };
         self.world.occluded(&ray)
     }

@@ -3,6 +3,7 @@
 use super::tree::LightBounds;
 use super::{LightSample, Target, mean};
 use crate::frame::Frame;
+use crate::math::sin_cos_turn;
 use crate::scene::{AreaEmitter, ColorTexture, Mesh, Sphere, Texture};
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};
@@ -163,7 +164,7 @@ impl Surface {
         if !s.inward && distance2 <= radius2 {
             return None; // sees the back only
         }
-        let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turn(u.y);
         let outward = if s.inward {
             let z = 1.0 - 2.0 * u.x;
             let r = (1.0 - z * z).max(0.0).sqrt();

@@ -1,5 +1,6 @@
 //! Image-based light from infinity, chosen in proportion to its brightness.
 
+use crate::math::{atan2, sin_cos_turn};
 use crate::scene::{EnvironmentMap, Rgb};
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};
@@ -9,9 +10,9 @@ impl EnvironmentMap {
     #[inline]
     fn uv(&self, d: Vec3A) -> (Vec2, f32) {
         let local = self.to_world.transpose() * d;
-        let u = local.x.atan2(-local.z) * (1.0 / TAU);
+        let u = atan2(local.x, -local.z) * (1.0 / TAU);
         let sin = (local.x * local.x + local.z * local.z).sqrt();
-        (Vec2::new(if u < 0.0 { u + 1.0 } else { u }, sin.atan2(local.y) * (1.0 / PI)), sin)
+        (Vec2::new(if u < 0.0 { u + 1.0 } else { u }, atan2(sin, local.y) * (1.0 / PI)), sin)
     }
 
     /// Radiance from the unit direction `d`: bilinear, periodic in u, the first and last row being the poles.
@@ -128,8 +129,8 @@ impl MapSampler {
         let (x, fx) = self.columns[y].sample(u.x);
         let (w, h) = (self.columns[0].guide.len() as f32, self.columns.len() as f32);
         let uv = Vec2::new((x as f32 + fx) / w, (y as f32 + fy) / h);
-        let (sin_phi, cos_phi) = (TAU * uv.x).sin_cos();
-        let (sin, cos) = (PI * uv.y).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turn(uv.x);
+        let (sin, cos) = sin_cos_turn(0.5 * uv.y);
         let d = map.to_world * Vec3A::new(sin * sin_phi, cos, -sin * cos_phi);
         (d, self.density(x, y, sin), map.radiance_at(uv))
     }

@@ -1,15 +1,15 @@
-//! The pinhole camera and its film.
+//! The camera and its film.
 
 use glam::{Affine3A, Vec2};
 
-/// A pinhole camera. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's
+/// A camera that sees everything sharp. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's
 /// frame), so a loader of a format that looks along −z with x to the right turns it by half a turn about y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Camera frame to world; without scale.
     pub to_world: Affine3A,
-    /// Angle in radians between the left and the right edge of the whole film (the loader converts other `fovAxis`).
-    pub fov_x: f32,
+    /// What rays the film sends out.
+    pub projection: Projection,
     /// Depth along the axis in front of which nothing is seen.
     pub near: f32,
     /// Depth along the axis behind which nothing is seen.
@@ -18,6 +18,21 @@ pub struct Camera {
     pub principal_point: Vec2,
     /// Pixels and filter.
     pub film: Film,
+}
+
+/// The rays of a camera. Pixels are squares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// All through one point, the origin of the camera's frame.
+    Perspective {
+        /// Angle in radians between the left and the right edge of the whole film (loaders convert other axes).
+        fov_x: f32,
+    },
+    /// All parallel to the axis, from the plane z = 0 of the camera's frame.
+    Orthographic {
+        /// Half the width that the whole film shows, in scene units.
+        half_width: f32,
+    },
 }
 
 /// The pixel grid.
@@ -77,7 +92,7 @@ impl Default for Camera {
     fn default() -> Self {
         Self {
             to_world: Affine3A::IDENTITY,
-            fov_x: 50f32.to_radians(),
+            projection: Projection::Perspective { fov_x: 50f32.to_radians() },
             near: 1e-2,
             far: 1e4,
             principal_point: Vec2::ZERO,

@@ -1,6 +1,6 @@
 //! How surfaces scatter light: Mitsuba's plugins, with its semantics (one-sided unless transmissive or `TwoSided`).
 
-use super::{ColorTexture, FloatTexture, Rgb, TextureId};
+use super::{ColorTexture, FloatTexture, TextureId};
 
 /// Index into [`super::Scene::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -60,9 +60,9 @@ pub enum Material {
     /// Smooth metal; a perfect mirror has eta = 0, k = 1.
     Conductor {
         /// Real part of the index of refraction.
-        eta: Rgb,
+        eta: ColorTexture,
         /// Absorption.
-        k: Rgb,
+        k: ColorTexture,
         /// Factor on the reflection.
         specular: ColorTexture,
     },
@@ -75,9 +75,9 @@ pub enum Material {
         /// Roughness along v.
         alpha_v: FloatTexture,
         /// Real part of the index of refraction.
-        eta: Rgb,
+        eta: ColorTexture,
         /// Absorption.
-        k: Rgb,
+        k: ColorTexture,
         /// Factor on the reflection.
         specular: ColorTexture,
     },

@@ -12,7 +12,7 @@ mod shapes;
 mod texture;
 mod validate;
 
-pub use camera::{Camera, Crop, Film, Filter};
+pub use camera::{Camera, Crop, Film, Filter, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Light};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};

@@ -195,6 +195,16 @@ impl ColorTexture {
         }
     }
 
+    /// The same times `factor`.
+    pub fn times(self, factor: Rgb) -> Self {
+        match self {
+            _ if factor == Rgb::ONE => self,
+            Self::Constant(c) => Self::Constant(c * factor),
+            Self::Texture(t) => Self::Scaled(t, factor),
+            Self::Scaled(t, c) => Self::Scaled(t, c * factor),
+        }
+    }
+
     /// Mean over texture space.
     pub fn mean(&self, textures: &[Texture]) -> Rgb {
         match *self {
@@ -213,6 +223,15 @@ impl FloatTexture {
             Self::Constant(c) => c,
             Self::Texture(t) => textures[t.0 as usize].eval(uv).x,
             Self::Scaled(t, c) => textures[t.0 as usize].eval(uv).x * c,
+        }
+    }
+
+    /// Mean over texture space.
+    pub fn mean(&self, textures: &[Texture]) -> f32 {
+        match *self {
+            Self::Constant(c) => c,
+            Self::Texture(t) => textures[t.0 as usize].mean().x,
+            Self::Scaled(t, c) => textures[t.0 as usize].mean().x * c,
         }
     }
 }

@@ -61,7 +61,9 @@ impl Material {
         };
         match self {
             Self::Diffuse { reflectance: c } | Self::MetallicRoughness { base_color: c, .. } => color(c),
-            Self::Conductor { specular, .. } | Self::RoughConductor { specular, .. } => color(specular),
+            Self::Conductor { eta, k, specular } | Self::RoughConductor { eta, k, specular, .. } => {
+                [eta, k, specular].into_iter().for_each(color);
+            }
             Self::Phong { diffuse: a, specular: b, .. }
             | Self::Ward { diffuse: a, specular: b, .. }
             | Self::Plastic { diffuse: a, specular: b, .. }
@@ -208,7 +210,15 @@ impl Scene {
     fn check_camera(&self) -> Result<(), SceneError> {
         let (c, film) = (&self.camera, &self.camera.film);
         require(c.to_world.is_finite(), || "the camera's transform is not finite".into())?;
-        require(c.fov_x > 0.0 && c.fov_x < core::f32::consts::PI, || format!("field of view {} rad", c.fov_x))?;
+        match c.projection {
+            Projection::Perspective { fov_x } => {
+                require(fov_x > 0.0 && fov_x < core::f32::consts::PI, || format!("field of view {fov_x} rad"))?;
+            }
+            Projection::Orthographic { half_width } => {
+                let visible = half_width > 0.0 && half_width.is_finite();
+                require(visible, || format!("an orthographic camera that is {half_width} wide"))?;
+            }
+        }
         require(c.near >= 0.0 && c.near < c.far, || format!("clip distances {} … {}", c.near, c.far))?;
         let pixels = u64::from(film.width) * u64::from(film.height);
         require(pixels > 0 && pixels <= 1 << 28, || format!("film of {} × {} pixels", film.width, film.height))?;

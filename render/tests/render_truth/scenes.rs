@@ -32,7 +32,7 @@ pub fn camera(eye: Vec3, target: Vec3, fov_deg: f32, pixels: u32) -> Camera {
     let x = Vec3::Y.cross(z).normalize();
     let to_world = Affine3A::from_mat3_translation(glam::Mat3::from_cols(x, z.cross(x), z), eye);
     let film = Film { width: pixels, height: pixels, crop: None, filter: Filter::Box { radius: 0.5 } };
-    Camera { to_world, fov_x: fov_deg.to_radians(), film, ..Camera::default() }
+    Camera { to_world, projection: Projection::Perspective { fov_x: fov_deg.to_radians() }, film, ..Camera::default() }
 }
 
 /// A box [−1, 1]³ seen from inside, walls of material 0, lit by a small square under its ceiling.

@@ -79,8 +79,7 @@ fn glossy_box() {
 
 #[test]
 fn coats_metals_and_spheres() {
-    let k = Rgb::new(9.2, 6.3, 4.8);
-    let eta = Rgb::new(1.66, 0.88, 0.52);
+    let [eta, k] = [[1.66, 0.88, 0.52], [9.2, 6.3, 4.8]].map(|x| ColorTexture::Constant(Rgb::from_array(x)));
     let materials = vec![
         diffuse(0.7),
         Material::RoughConductor {
@@ -130,7 +129,7 @@ fn sky_glass_and_mirrors() {
         transmittance: gray(0.9),
     };
     let slab = Material::ThinDielectric { eta: 1.5, reflectance: gray(1.0), transmittance: gray(1.0) };
-    let mirror = Material::Conductor { eta: Rgb::ZERO, k: Rgb::ONE, specular: gray(0.9) };
+    let mirror = Material::Conductor { eta: gray(0.0), k: gray(1.0), specular: gray(0.9) };
     let floor = Affine3A::from_rotation_translation(glam::Quat::from_rotation_x(-1.5707964), Vec3::new(0.0, -1.0, 0.0));
     let scene = Scene {
         shapes: vec![
@@ -165,8 +164,8 @@ fn many_lights_and_wrapped_materials() {
             distribution: Distribution::Beckmann,
             alpha_u: f(0.3),
             alpha_v: f(0.3),
-            eta: Rgb::splat(0.2),
-            k: Rgb::splat(4.0),
+            eta: gray(0.2),
+            k: gray(4.0),
             specular: gray(1.0),
         },
         Material::TwoSided { front: MaterialId(0), back: MaterialId(0) },

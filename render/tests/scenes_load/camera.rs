@@ -1,11 +1,16 @@
 //! Sensor, film, filter, sampler, integrator.
 
 use crate::{Folder, Loaded};
-use render::scene::{Crop, Filter};
+use render::scene::{Camera, Crop, Filter, Projection};
 
 fn sensor(body: &str) -> Loaded {
     let text = format!("<scene version='3.0.0'>\n<sensor type='perspective'>{body}</sensor></scene>");
     Folder::new().with("scene.xml", text).load("scene.xml", &[])
+}
+
+fn opening(camera: &Camera) -> f32 {
+    let Projection::Perspective { fov_x } = camera.projection else { panic!("{camera:?}") };
+    fov_x
 }
 
 fn fov_x(axis: &str, width: u32, height: u32) -> f32 {
@@ -13,7 +18,7 @@ fn fov_x(axis: &str, width: u32, height: u32) -> f32 {
         "<film type='hdrfilm'><integer name='width' value='{width}'/><integer name='height' value='{height}'/></film>"
     );
     let axis = format!("<float name='fov' value='60'/><string name='fov_axis' value='{axis}'/>{film}");
-    sensor(&axis).unwrap().0.camera.fov_x.to_degrees()
+    opening(&sensor(&axis).unwrap().0.camera).to_degrees()
 }
 
 #[test]
@@ -37,11 +42,11 @@ fn every_axis_of_the_field_of_view() {
     }
     // A 50 mm lens on 36 mm × 24 mm film, cut to a square picture.
     let square = "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/></film>";
-    let normal = sensor(square).unwrap().0.camera.fov_x.to_degrees();
+    let normal = opening(&sensor(square).unwrap().0.camera).to_degrees();
     let expected = 2.0 * (0.5 * 36f32.hypot(24.0) / 50.0 / 2f32.sqrt()).atan().to_degrees();
     assert!((normal - expected).abs() < 1e-3);
-    let tele = sensor(&format!("<string name='focal_length' value='100mm'/>{square}")).unwrap().0.camera.fov_x;
-    assert!(tele < 0.55 * normal.to_radians());
+    let tele = sensor(&format!("<string name='focal_length' value='100mm'/>{square}")).unwrap().0.camera;
+    assert!(opening(&tele) < 0.55 * normal.to_radians());
 }
 
 #[test]
@@ -81,6 +86,32 @@ fn placement_loses_its_scale_and_may_mirror() {
     assert!(at("<scale x='2'/>").unwrap_err().contains("distorts"));
 }
 
+/// x and y are scaled to what the film shows, z moves the near plane.
+#[test]
+fn orthographic_sensors() {
+    let at = |operations: &str| {
+        let text = format!(
+            "<scene version='3.0.0'><sensor type='orthographic'><float name='near_clip' value='0.5'/>
+             <float name='far_clip' value='9'/><transform name='to_world'>{operations}</transform></sensor></scene>"
+        );
+        Folder::new().with("s.xml", text).load("s.xml", &[])
+    };
+    let (scene, warnings) = at("<scale x='10' y='10'/><rotate y='1' angle='90'/><translate z='3'/>").unwrap();
+    let camera = scene.camera;
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!(camera.projection, Projection::Orthographic { half_width: 10.0 });
+    assert!((camera.to_world.matrix3.z_axis - glam::Vec3A::X).length() < 1e-6 && camera.to_world.translation.z == 3.0);
+    assert_eq!((camera.near, camera.far), (0.5, 9.0));
+    let deep = at("<scale x='2' y='2' z='4'/>").unwrap().0.camera;
+    assert_eq!((deep.near, deep.far), (2.0, 10.5));
+    for (wrong, what) in
+        [("<scale x='2' y='3'/>", "distorts"), ("<scale x='0'/>", "<sensor"), ("<scale z='0'/>", "<sensor")]
+    {
+        let e = at(wrong).unwrap_err();
+        assert!(e.contains(what), "{e}");
+    }
+}
+
 #[test]
 fn settings_of_integrator_and_sampler() {
     let text = "<scene version='0.5.0'><integrator type='path'><integer name='maxDepth' value='7'/>
@@ -113,5 +144,8 @@ fn wrong_sensors_are_refused() {
     }
     let fisheye = "<scene version='3.0.0'>\n <sensor type='fisheye'/></scene>";
     let e = Folder::new().with("s.xml", fisheye).load("s.xml", &[]).unwrap_err();
-    assert_eq!(e, "s.xml:2:2: <sensor type=\"fisheye\">: the sensor `fisheye` is not supported (only `perspective`)");
+    assert_eq!(
+        e,
+        "s.xml:2:2: <sensor type=\"fisheye\">: the sensor `fisheye` is not supported (only `perspective` and `orthographic`)"
+    );
 }

@@ -92,6 +92,12 @@ fn load(document: &Value) -> Loaded {
     Folder::new().with("s.gltf", document.to_string()).load("s.gltf", &[])
 }
 
+/// Half the width of the film at unit depth.
+fn half_width(camera: &Camera) -> f32 {
+    let Projection::Perspective { fov_x } = camera.projection else { panic!("{camera:?}") };
+    (fov_x / 2.0).tan()
+}
+
 /// The binary form; `json` padded with blanks.
 fn glb(document: &Value, blob: &[u8]) -> Vec<u8> {
     let mut text = document.to_string().into_bytes();
@@ -123,7 +129,7 @@ fn an_export_as_blender_writes_it() {
     assert_eq!((camera.film.width, camera.film.height), (1080, 720));
     assert!((camera.to_world.transform_vector3a(Vec3A::Z) + Vec3A::Z).length() < 1e-6);
     assert!((camera.to_world.transform_vector3a(Vec3A::X) + Vec3A::X).length() < 1e-6);
-    assert!(((camera.fov_x / 2.0).tan() / 0.3f32.tan() - 1.5).abs() < 1e-5);
+    assert!((half_width(camera) / 0.3f32.tan() - 1.5).abs() < 1e-5);
     assert_eq!(scene.lights[0], Light::Point { position: Vec3A::new(1., 2., 3.), intensity: Vec3A::new(1., 0.5, 0.) });
     assert!(matches!(scene.lights[1], Light::Directional { direction, irradiance }
         if (direction + Vec3A::Y).length() < 1e-5 && irradiance == Vec3A::splat(2.0)));
@@ -243,12 +249,87 @@ fn without_a_camera_everything_is_in_the_picture() {
     let mut d = document();
     d["nodes"][3].as_object_mut().unwrap().remove("camera");
     let (scene, warnings) = load(&d).unwrap();
-    assert!(warnings[0].contains("no perspective camera"), "{warnings:?}");
+    assert!(warnings[0].contains("no camera"), "{warnings:?}");
     let to_camera = scene.camera.to_world.inverse();
     for instance in &scene.instances {
         let p = to_camera.transform_point3a(instance.to_world.translation);
-        assert!(p.z > 0.0 && (p.x / p.z).abs() < (scene.camera.fov_x / 2.0).tan(), "{p}");
+        assert!(p.z > 0.0 && (p.x / p.z).abs() < half_width(&scene.camera), "{p}");
     }
+}
+
+#[test]
+fn orthographic_cameras() {
+    let mut d = document();
+    d["cameras"][0] =
+        json!({"type": "orthographic", "orthographic": {"xmag": 3.0, "ymag": 2.0, "znear": 0.0, "zfar": 50.0}});
+    let (scene, warnings) = load(&d).unwrap();
+    assert!(warnings.is_empty(), "{warnings:#?}");
+    let camera = scene.camera;
+    assert_eq!(camera.projection, Projection::Orthographic { half_width: 3.0 });
+    assert_eq!((camera.film.width, camera.film.height, camera.near, camera.far), (1080, 720, 0.0, 50.0));
+    assert!((camera.to_world.transform_vector3a(Vec3A::Z) + Vec3A::Z).length() < 1e-6);
+    d["cameras"][0]["orthographic"]["ymag"] = json!(1e-9);
+    assert!(load(&d).unwrap_err().contains("camera 0: a view of"));
+}
+
+/// A buffer after the first holds what a sparse accessor replaces: the second corner, and with it a normal.
+fn sparse(indices: &[u8], component: u32) -> Value {
+    let mut bytes = indices.to_vec();
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let values = bytes.len();
+    bytes.extend([5f32, 6.0, 7.0].iter().flat_map(|x| x.to_le_bytes()));
+    let mut d = document();
+    let buffers = d["buffers"].as_array_mut().unwrap();
+    buffers.push(json!({"byteLength": bytes.len(), "uri": data_uri("application/octet-stream", &bytes)}));
+    let views = d["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 1, "byteLength": indices.len()}));
+    views.push(json!({"buffer": 1, "byteOffset": values, "byteLength": 12}));
+    d["accessors"][0]["sparse"] = json!({"count": 1,
+        "indices": {"bufferView": 4, "componentType": component}, "values": {"bufferView": 5}});
+    d
+}
+
+#[test]
+fn sparse_accessors() {
+    let positions = |d: &Value| {
+        let (scene, warnings) = load(d).unwrap();
+        assert!(warnings.is_empty(), "{warnings:#?}");
+        let Geometry::Mesh(mesh) = &scene.groups[0].shapes[0].geometry else { panic!() };
+        mesh.positions.clone()
+    };
+    let plain = positions(&document());
+    for (indices, component) in [(&[1u8][..], 5121), (&[1, 0], 5123), (&[1, 0, 0, 0], 5125)] {
+        let replaced = positions(&sparse(indices, component));
+        assert_eq!(replaced[1], glam::Vec3::new(5.0, 6.0, 7.0));
+        assert_eq!((replaced[0], &replaced[2..]), (plain[0], &plain[2..]));
+    }
+    // Without a view of its own, everything else is zero.
+    let mut d = sparse(&[1], 5121);
+    d["accessors"][1] = d["accessors"][0].take();
+    d["accessors"][1].as_object_mut().unwrap().remove("bufferView");
+    d["accessors"][0] = document()["accessors"][0].take();
+    let (scene, _) = load(&d).unwrap();
+    let Geometry::Mesh(mesh) = &scene.groups[0].shapes[0].geometry else { panic!() };
+    let n = glam::Vec3::new(5.0, 6.0, 7.0).normalize();
+    assert!((mesh.normals[1] - n).length() < 1e-6, "{:?}", mesh.normals);
+    // Damage.
+    assert!(load(&sparse(&[4], 5121)).unwrap_err().contains("accessor 0: a sparse index of 4"));
+    for (pointer, value, what) in [
+        ("/accessors/0/sparse/count", json!(2), "accessor 0: its sparse indices leave"),
+        ("/accessors/0/sparse/count", json!(0), "accessor 0: its sparse"),
+        ("/accessors/0/sparse/count", json!(u64::MAX), "accessor 0: its sparse"),
+        ("/accessors/0/sparse/indices/bufferView", json!(77), ""),
+        ("/accessors/0/sparse/values/bufferView", json!(4), "accessor 0: its sparse values leave"),
+    ] {
+        let mut d = sparse(&[1], 5121);
+        *d.pointer_mut(pointer).unwrap() = value;
+        let e = load(&d).expect_err(pointer);
+        assert!(e.contains(what), "{pointer}: {e}");
+    }
+    let mut d = sparse(&[1], 5121);
+    d["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    d["accessors"][0]["count"] = json!(1u64 << 60);
+    assert!(load(&d).unwrap_err().contains("accessor 0: 1152921504606846976 elements"));
 }
 
 #[test]

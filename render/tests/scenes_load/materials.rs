@@ -61,26 +61,53 @@ fn conductors_by_name_and_by_numbers() {
     ) else {
         panic!()
     };
+    let (ColorTexture::Constant(eta), ColorTexture::Constant(k)) = (eta, k) else { panic!() };
     assert!((eta - Vec3A::new(0.143, 0.375, 1.442)).abs().max_element() < 2e-3 && k.x > 3.9);
     assert_eq!((distribution, alpha_u), (Distribution::Ggx, number(0.3)));
-    let mirror = Material::Conductor { eta: Vec3A::ZERO, k: Vec3A::ONE, specular: grey(1.0) };
+    let mirror = Material::Conductor { eta: grey(0.0), k: grey(1.0), specular: grey(1.0) };
     assert_eq!(material("<bsdf type='conductor'><string name='material' value='none'/></bsdf>"), mirror);
     assert_eq!(material("<bsdf type='conductor'/>"), mirror);
     // Version 0.6 means copper in air.
-    assert!(
-        matches!(legacy("<bsdf type='conductor'/>").0, Material::Conductor { eta, .. } if eta.x < 0.21 && eta.z > 1.0)
-    );
+    assert!(matches!(legacy("<bsdf type='conductor'/>").0,
+            Material::Conductor { eta: ColorTexture::Constant(eta), .. } if eta.x < 0.21 && eta.z > 1.0));
     let given = "<bsdf type='conductor'><rgb name='eta' value='2'/><rgb name='k' value='4'/><float name='extEta' value='2'/></bsdf>";
-    assert!(
-        matches!(legacy(given).0, Material::Conductor { eta, k, .. } if eta == Vec3A::ONE && k == Vec3A::splat(2.0))
-    );
+    assert!(matches!(legacy(given).0, Material::Conductor { eta, k, .. } if eta == grey(1.0) && k == grey(2.0)));
     for (inside, what) in [
         ("<string name='material' value='Xx'/>", "no such conductor: `Xx`"),
         ("<string name='material' value='Au'/><rgb name='eta' value='1'/>", "either `material` or"),
-        ("<texture type='checkerboard' name='eta'/>", "a texture for `eta`"),
+        ("<string name='material' value='Au'/><texture type='checkerboard' name='k'/>", "either `material` or"),
     ] {
         let e = error(&format!("<shape type='cube'><bsdf type='conductor'>{inside}</bsdf></shape>"));
         assert!(e.contains(what), "{e}");
+    }
+}
+
+/// The index from a texture: what reflects is Fresnel's term of the value at the point, over the index outside.
+#[test]
+fn conductors_with_an_index_from_a_texture() {
+    let checker = |name, a, b| {
+        format!(
+            "<texture type='checkerboard' name='{name}'><rgb name='color0' value='{a}'/><rgb name='color1' value='{b}'/></texture>"
+        )
+    };
+    let bsdf = |kind| {
+        format!(
+            "<shape type='rectangle'><bsdf type='{kind}'>{}{}<float name='ext_eta' value='2'/></bsdf></shape>",
+            checker("eta", "1", "3"),
+            checker("k", "4", "8")
+        )
+    };
+    let rough = scene(&bsdf("roughconductor"));
+    let half = Vec3A::splat(0.5);
+    assert!(matches!(rough.materials[0], Material::RoughConductor { eta: ColorTexture::Scaled(_, e),
+        k: ColorTexture::Scaled(_, k), .. } if e == half && k == half));
+    let world = render::world::World::new(scene(&bsdf("conductor"))).unwrap();
+    for (at, eta, k) in [(Vec3A::new(-0.4, -0.6, 1.0), 0.5f32, 2.0f32), (Vec3A::new(0.4, -0.6, 1.0), 1.5, 4.0)] {
+        let ray = render::ray::Ray::new(at, Vec3A::NEG_Z);
+        let sample =
+            world.bsdf(&world.interaction(&ray, &world.intersect(&ray))).sample(0.5, Vec2::splat(0.5)).unwrap();
+        let expected = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+        assert!((sample.weight.sum().x - expected).abs() < 1e-4, "{at}: {} {expected}", sample.weight.sum());
     }
 }
 
@@ -236,6 +263,10 @@ fn substitutes_are_announced_once() {
         ("<bsdf type='roughdiffuse'/>", "`roughdiffuse` is drawn as `diffuse`"),
         ("<bsdf type='coating'><bsdf type='diffuse'/></bsdf>", "drawn as the bsdf inside"),
         ("<bsdf type='principled'/>", "`principled` is drawn with"),
+        (
+            "<bsdf type='roughplastic'><texture type='checkerboard' name='alpha'/></bsdf>",
+            "`alpha` of `roughplastic` is drawn as its mean",
+        ),
         ("<bsdf type='roughconductor'><string name='distribution' value='phong'/></bsdf>", "drawn as `beckmann`"),
         ("<medium type='homogeneous' name='interior'/><bsdf type='diffuse'/>", "drawn without it"),
     ] {
@@ -244,6 +275,14 @@ fn substitutes_are_announced_once() {
     }
     assert!(error("<shape type='cube'><bsdf type='hk'/></shape>").ends_with("the bsdf `hk` is not supported"));
     assert!(error("<shape type='cube'><bsdf type='diffuse'/><bsdf type='phong'/></shape>").contains("has two"));
+}
+
+#[test]
+fn a_rough_coat_with_a_texture_takes_its_mean() {
+    let bsdf = "<bsdf type='roughplastic'><texture type='checkerboard' name='alpha'><rgb name='color0' value='0.1'/>
+        <rgb name='color1' value='0.3'/></texture></bsdf>";
+    let (scene, _) = Folder::new().scene(&format!("<shape type='cube'>{bsdf}</shape>")).unwrap();
+    assert!(matches!(scene.materials[0], Material::RoughPlastic { alpha, .. } if (alpha - 0.2).abs() < 1e-6));
 }
 
 #[test]

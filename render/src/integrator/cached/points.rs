@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::ray::Ray;
 use crate::record::View;
 use crate::sampler::Sampler;
-use crate::scene::{MaterialId, Rgb};
+use crate::scene::{MaterialId, Projection, Rgb};
 use crate::world::{Interaction, World};
 use glam::{Vec2, Vec3A};
 
@@ -89,9 +89,12 @@ pub fn see<'a>(
     Seen::Ended
 }
 
-/// Opening angle of a pixel.
+/// What a pixel sees.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelCone {
+    /// Width at the eye; 0 unless rays are parallel.
+    start: f32,
+    /// Growth of the width with distance.
     tangent: f32,
 }
 
@@ -99,12 +102,16 @@ impl PixelCone {
     /// Of the camera of a world.
     pub fn new(world: &World) -> Self {
         let camera = &world.scene.camera;
-        Self { tangent: 2.0 * (0.5 * camera.fov_x).tan() / camera.film.width.max(1) as f32 }
+        let of_film = 2.0 / camera.film.width.max(1) as f32;
+        match camera.projection {
+            Projection::Perspective { fov_x } => Self { start: 0.0, tangent: of_film * (0.5 * fov_x).tan() },
+            Projection::Orthographic { half_width } => Self { start: of_film * half_width, tangent: 0.0 },
+        }
     }
 
     /// Width of a pixel at the end of a path of this length.
     pub fn width_at(&self, length: f32) -> f32 {
-        self.tangent * length
+        self.start + self.tangent * length
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which surfaces are cached, and through which table.
 
 use crate::record::Albedo;
-use crate::scene::{Distribution, FloatTexture, Material, Rgb, Scene, WardVariant};
+use crate::scene::{ColorTexture, Distribution, FloatTexture, Material, Rgb, Scene, WardVariant};
 use brdf_tables::brdf::{self, Fresnel, Microfacet, Phong, Specular, Ward};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
@@ -135,7 +135,7 @@ fn reason(material: &Material, allowed: Allowed) -> &'static str {
         | Material::Plastic { .. } => "perfectly specular",
         _ if allowed == Allowed::Irradiance && specular(material).is_some() => "the method caches irradiance only",
         Material::RoughDielectric { .. } => "transmits light",
-        _ => "roughness from a texture, or a model without table",
+        _ => "roughness or index from a texture, or a model without table",
     }
 }
 
@@ -161,6 +161,7 @@ pub fn specular(material: &Material) -> Option<Specular> {
             },
         })),
         Material::RoughConductor { distribution, alpha_u, alpha_v, eta, k, .. } => {
+            let (ColorTexture::Constant(eta), ColorTexture::Constant(k)) = (eta, k) else { return None };
             let fresnel =
                 if *eta == Rgb::ZERO { Fresnel::None } else { Fresnel::Conductor { eta: rgb(eta), k: rgb(k) } };
             let (alpha_x, alpha_y) = (constant(alpha_u)?, constant(alpha_v)?);

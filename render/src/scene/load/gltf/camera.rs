@@ -3,7 +3,7 @@
 use super::Builder;
 use crate::scene::load::error::FileError;
 use crate::scene::load::similarity::similarity;
-use crate::scene::{Camera, Film, Geometry, Light, Rgb};
+use crate::scene::{self, Camera, Film, Geometry, Light, Rgb};
 use glam::{Affine3A, DAffine3, DMat3, Vec3, Vec3A};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::{self as punctual, Kind};
@@ -14,26 +14,37 @@ const HEIGHT: u32 = 720;
 const LUMENS_PER_WATT: f32 = 683.0;
 
 impl Builder<'_> {
-    /// The first perspective camera takes the picture.
+    /// The first camera takes the picture.
     pub(super) fn camera(&mut self, camera: &gltf::Camera, to_world: DAffine3) -> Result<(), FileError> {
-        let Projection::Perspective(perspective) = camera.projection() else {
-            self.warn(format_args!("camera {}: orthographic cameras are not supported", camera.index()));
-            return Ok(());
-        };
         if std::mem::replace(&mut self.has_camera, true) {
             self.warn(format_args!("camera {}: only the first camera takes a picture", camera.index()));
             return Ok(());
         }
-        let (rotation, _) = similarity(to_world.matrix3)
-            .ok_or_else(|| self.data.error(format_args!("camera {}: its transform distorts", camera.index())))?;
-        let aspect = perspective.aspect_ratio().filter(|a| (0.01..=100.0).contains(a)).unwrap_or(16.0 / 9.0);
+        let error = |what: String| self.data.error(format_args!("camera {}: {what}", camera.index()));
+        let (rotation, _) = similarity(to_world.matrix3).ok_or_else(|| error("its transform distorts".into()))?;
+        let aspects = 0.01..=100.0;
+        let (projection, aspect, near, far) = match camera.projection() {
+            Projection::Perspective(p) => {
+                let aspect = p.aspect_ratio().filter(|a| aspects.contains(a)).unwrap_or(16.0 / 9.0);
+                let fov_x = 2.0 * (aspect * (0.5 * p.yfov()).tan()).atan();
+                (scene::Projection::Perspective { fov_x }, aspect, p.znear(), p.zfar().unwrap_or(f32::MAX))
+            }
+            Projection::Orthographic(o) => {
+                let (half_width, half_height) = (o.xmag().abs(), o.ymag().abs());
+                let aspect = half_width / half_height;
+                if !aspects.contains(&aspect) {
+                    return Err(error(format!("a view of {half_width} × {half_height}")));
+                }
+                (scene::Projection::Orthographic { half_width }, aspect, o.znear(), o.zfar())
+            }
+        };
         // glTF looks along −z with x to the right, this crate's cameras along +z with x to the left.
         let turn = DMat3::from_diagonal(glam::DVec3::new(-1.0, 1.0, -1.0));
         self.scene.camera = Camera {
             to_world: DAffine3 { matrix3: rotation * turn, translation: to_world.translation }.as_affine3a(),
-            fov_x: 2.0 * (aspect * (0.5 * perspective.yfov()).tan()).atan(),
-            near: perspective.znear(),
-            far: perspective.zfar().unwrap_or(f32::MAX),
+            projection,
+            near,
+            far,
             film: Film {
                 width: ((HEIGHT as f32 * aspect).round() as u32).max(1),
                 height: HEIGHT,
@@ -47,7 +58,7 @@ impl Builder<'_> {
     /// A camera that sees the box around everything.
     pub(super) fn frame_everything(&mut self) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let mut take = |shape: &crate::scene::Shape, to_world: Affine3A| {
+        let mut take = |shape: &scene::Shape, to_world: Affine3A| {
             if let Geometry::Mesh(mesh) = &shape.geometry {
                 for &p in &mesh.positions {
                     let p = to_world.transform_point3(p);
@@ -72,7 +83,7 @@ impl Builder<'_> {
         let rotation = glam::Mat3::from_cols(left, (-back).cross(left), -back);
         self.scene.camera = Camera {
             to_world: Affine3A::from_mat3_translation(rotation, center + distance * back),
-            fov_x: 2.0 * (half_height.tan() * 16.0 / 9.0).atan(),
+            projection: scene::Projection::Perspective { fov_x: 2.0 * (half_height.tan() * 16.0 / 9.0).atan() },
             near: 1e-3 * radius,
             far: 10.0 * distance,
             film,

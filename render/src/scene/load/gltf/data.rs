@@ -4,6 +4,7 @@
 use crate::scene::load::error::{FileError, read_file};
 use crate::scene::load::image::{self, Pixels};
 use base64::Engine;
+use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, Document, buffer, image as gltf_image};
 use std::borrow::Cow;
@@ -11,6 +12,12 @@ use std::path::{Path, PathBuf};
 
 /// Larger buffers are refused.
 const MAX_FILE: u64 = 1 << 33;
+
+/// Longer accessors without data of their own are refused.
+const MAX_ZEROS: usize = 1 << 26;
+
+/// An element without data: the largest has 16 numbers of 4 bytes.
+const ZEROS: [u8; 64] = [0; 64];
 
 /// A glTF file with its buffers.
 pub struct Data<'a> {
@@ -47,22 +54,56 @@ impl<'a> Data<'a> {
         bytes.ok_or_else(|| self.error(format_args!("buffer view {} leaves its buffer", view.index())))
     }
 
-    /// The elements of an accessor, each as its bytes.
-    fn elements(&self, accessor: &Accessor) -> Result<impl Iterator<Item = &[u8]>, FileError> {
-        let error = |what: &str| self.error(format_args!("accessor {}: {what}", accessor.index()));
-        if accessor.sparse().is_some() {
-            return Err(error("sparse accessors are not supported"));
+    /// `count` blocks of `size` bytes in a view, `stride` bytes apart; `what` has them, for the error.
+    fn blocks(
+        &self,
+        view: &buffer::View,
+        (start, stride, size, count): (usize, usize, usize, usize),
+        what: &str,
+    ) -> Result<impl Iterator<Item = &[u8]> + use<'_, 'a>, FileError> {
+        let bytes = self.view(view)?;
+        let last = count.checked_sub(1).and_then(|n| n.checked_mul(stride));
+        let end = last.and_then(|n| n.checked_add(start)?.checked_add(size));
+        if stride < size || end.is_none_or(|end| end > bytes.len()) {
+            return Err(self.error(format_args!("{what} leave their buffer view")));
         }
-        let view = accessor.view().ok_or_else(|| error("an accessor without data"))?;
-        let bytes = self.view(&view)?;
-        let (size, count) = (accessor.size(), accessor.count());
-        let stride = view.stride().unwrap_or(size);
-        let end = count.saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(accessor.offset() + size));
-        if count == 0 || stride < size || end.is_none_or(|end| end > bytes.len()) {
-            return Err(error("its elements leave their buffer view"));
-        }
-        let start = accessor.offset();
         Ok((0..count).map(move |i| &bytes[start + i * stride..][..size]))
+    }
+
+    /// The elements of an accessor, each as its bytes. Without a view they are zero; those that a sparse accessor lists
+    /// are replaced.
+    fn elements(&self, accessor: &Accessor) -> Result<Vec<&[u8]>, FileError> {
+        let name = |what: &str| format!("accessor {}: {what}", accessor.index());
+        let (size, count) = (accessor.size(), accessor.count());
+        let mut elements: Vec<&[u8]> = match accessor.view() {
+            Some(view) => {
+                let place = (accessor.offset(), view.stride().unwrap_or(size), size, count);
+                self.blocks(&view, place, &name("its elements"))?.collect()
+            }
+            None if accessor.sparse().is_none() => return Err(self.error(name("an accessor without data"))),
+            None if count == 0 || count > MAX_ZEROS => {
+                return Err(self.error(name(&format!("{count} elements, all zero but for some"))));
+            }
+            None => vec![&ZEROS[..size]; count],
+        };
+        if let Some(sparse) = accessor.sparse() {
+            let (indices, values) = (sparse.indices(), sparse.values());
+            let width = match indices.index_type() {
+                IndexType::U8 => 1,
+                IndexType::U16 => 2,
+                IndexType::U32 => 4,
+            };
+            let of_index = (indices.offset(), width, width, sparse.count());
+            let of_value = (values.offset(), size, size, sparse.count());
+            let indices = self.blocks(&indices.view(), of_index, &name("its sparse indices"))?;
+            let values = self.blocks(&values.view(), of_value, &name("its sparse values"))?;
+            for (index, value) in indices.zip(values) {
+                let index = index.iter().rev().fold(0usize, |sum, &byte| sum << 8 | usize::from(byte));
+                let replaced = elements.get_mut(index);
+                *replaced.ok_or_else(|| self.error(name(&format!("a sparse index of {index}"))))? = value;
+            }
+        }
+        Ok(elements)
     }
 
     /// Vectors of `N` numbers; integers are normalised.
@@ -84,7 +125,7 @@ impl<'a> Data<'a> {
             return Err(error());
         }
         let elements = self.elements(accessor)?;
-        Ok(elements.map(|e| std::array::from_fn(|i| number(&e[i * width..]))).collect())
+        Ok(elements.into_iter().map(|e| std::array::from_fn(|i| number(&e[i * width..]))).collect())
     }
 
     /// Vertex indices.
@@ -95,7 +136,7 @@ impl<'a> Data<'a> {
             (Dimensions::Scalar, DataType::U32) => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
             _ => return Err(self.error(format_args!("accessor {}: no vertex indices", accessor.index()))),
         };
-        Ok(self.elements(accessor)?.map(index).collect())
+        Ok(self.elements(accessor)?.into_iter().map(index).collect())
     }
 
     /// Decodes an image.

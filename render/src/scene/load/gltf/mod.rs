@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
             self.warn("nothing in the file gives off light: the picture is black (glTF has no environment)");
         }
         if !self.has_camera {
-            self.warn("the file has no perspective camera: the picture is taken from a corner, with everything in it");
+            self.warn("the file has no camera: the picture is taken from a corner, with everything in it");
             self.frame_everything();
         }
         Ok(())

@@ -4,8 +4,8 @@ use super::Builder;
 use super::object::Object;
 use crate::scene::load::error::LoadError;
 use crate::scene::load::similarity::similarity;
-use crate::scene::{Camera, Crop, Film, Filter};
-use glam::{DAffine3, Vec2};
+use crate::scene::{Camera, Crop, Film, Filter, Projection};
+use glam::{DAffine3, DMat3, Vec2};
 
 /// Larger films are refused.
 const MAX_PIXELS: u64 = 1 << 28;
@@ -13,12 +13,15 @@ const MAX_PIXELS: u64 = 1 << 28;
 impl Builder<'_> {
     pub(super) fn sensor(&mut self, object: &Object) -> Result<(), LoadError> {
         match object.plugin.as_str() {
-            "perspective" => object.ignore(&["focus_distance"]),
+            "perspective" | "orthographic" => object.ignore(&["focus_distance"]),
             "thinlens" => {
                 object.ignore(&["aperture_radius", "focus_distance"]);
                 self.warn(object, "`thinlens` is drawn as a pinhole camera: everything is sharp");
             }
-            other => return Err(object.error(format!("the sensor `{other}` is not supported (only `perspective`)"))),
+            other => {
+                return Err(object
+                    .error(format!("the sensor `{other}` is not supported (only `perspective` and `orthographic`)")));
+            }
         }
         object.ignore(&["shutter_open", "shutter_close"]);
         let objects = self.objects;
@@ -31,10 +34,14 @@ impl Builder<'_> {
             self.scene.integrator.spp = sampler.count_or("sample_count", self.scene.integrator.spp)?;
             sampler.ignore(&["seed", "scramble", "dimension"]);
         }
-        // No ray depends on the frame's scale as long as it is the same along all axes.
         let to_world = object.transform("to_world")?;
-        let (rotation, _) = similarity(to_world.matrix3)
-            .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal and of equal length"))?;
+        let aspect = f64::from(film.width) / f64::from(film.height);
+        let parallel = object.plugin == "orthographic";
+        let Placed { rotation, projection, depth } = if parallel {
+            orthographic(object, to_world.matrix3)?
+        } else {
+            perspective(object, to_world.matrix3, aspect)?
+        };
         let shift = |name| object.number_or(name, 0.0).map(|v| v as f32);
         let (near, far) = (object.number_or("near_clip", 1e-2)? as f32, object.number_or("far_clip", 1e4)? as f32);
         if !(0.0 <= near && near < far) {
@@ -42,9 +49,9 @@ impl Builder<'_> {
         }
         self.scene.camera = Camera {
             to_world: DAffine3 { matrix3: rotation, translation: to_world.translation }.as_affine3a(),
-            fov_x: fov_x(object, f64::from(film.width) / f64::from(film.height))? as f32,
-            near,
-            far,
+            projection,
+            near: near * depth,
+            far: far + near * (depth - 1.0),
             principal_point: Vec2::new(shift("principal_point_offset_x")?, shift("principal_point_offset_y")?),
             film,
         };
@@ -107,6 +114,33 @@ impl Builder<'_> {
             filter => Ok(filter),
         }
     }
+}
+
+/// What the transform of a sensor says.
+struct Placed {
+    rotation: DMat3,
+    projection: Projection,
+    /// Factor on the distance of the near plane.
+    depth: f32,
+}
+
+/// No ray depends on the frame's scale as long as it is the same along all axes.
+fn perspective(object: &Object, matrix: DMat3, aspect: f64) -> Result<Placed, LoadError> {
+    let (rotation, _) = similarity(matrix)
+        .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal and of equal length"))?;
+    let projection = Projection::Perspective { fov_x: fov_x(object, aspect)? as f32 };
+    Ok(Placed { rotation, projection, depth: 1.0 })
+}
+
+/// The film is 2 units of the frame wide: the scale of x and y sets what it shows, that of z moves the near plane
+/// only, the far one staying as far behind it, as in Mitsuba.
+fn orthographic(object: &Object, matrix: DMat3) -> Result<Placed, LoadError> {
+    let (width, depth) = (matrix.x_axis.length(), matrix.z_axis.length());
+    let cubic = DMat3::from_cols(matrix.x_axis, matrix.y_axis, matrix.z_axis * (width / depth));
+    let (rotation, _) = similarity(cubic)
+        .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal, x and y of equal length"))?;
+    let projection = Projection::Orthographic { half_width: width as f32 };
+    Ok(Placed { rotation, projection, depth: depth as f32 })
 }
 
 /// Horizontal field of view in radians from `fov` and `fov_axis`, or from `focal_length`; `aspect` is width over height.

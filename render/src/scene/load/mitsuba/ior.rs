@@ -2,19 +2,19 @@
 
 use super::Builder;
 use super::object::{Object, Value};
-use crate::scene::Rgb;
 use crate::scene::load::color::conductor;
 use crate::scene::load::error::LoadError;
+use crate::scene::{ColorTexture, Rgb};
 
 impl Builder<'_> {
     /// eta and k over the index outside. Version 0.x defaults to copper in air, version 3 to a perfect mirror.
-    pub(super) fn metal(&mut self, object: &Object) -> Result<(Rgb, Rgb), LoadError> {
-        for name in ["eta", "k"] {
-            if object.child_named(name).is_some() {
-                return Err(object.error(format!("a texture for `{name}` is not supported")));
-            }
-        }
-        let (eta, k) = (object.color("eta")?, object.color("k")?);
+    pub(super) fn metal(&mut self, object: &Object) -> Result<(ColorTexture, ColorTexture), LoadError> {
+        let mut given = |name: &str| -> Result<Option<ColorTexture>, LoadError> {
+            let is_given = object.child_named(name).is_some() || object.parameter(name).is_some();
+            let zero = ColorTexture::Constant(Rgb::ZERO);
+            is_given.then(|| self.color_texture(object, name, zero)).transpose()
+        };
+        let (eta, k) = (given("eta")?, given("k")?);
         let material = object.text("material")?;
         if material.is_some() && (eta.is_some() || k.is_some()) {
             return Err(object.error("give either `material` or `eta` and `k`"));
@@ -26,7 +26,10 @@ impl Builder<'_> {
         } else {
             1.0
         };
-        Ok((eta.unwrap_or(preset.0) / outside, k.unwrap_or(preset.1) / outside))
+        let relative = |given: Option<ColorTexture>, preset| {
+            given.unwrap_or(ColorTexture::Constant(preset)).times(Rgb::splat(1.0 / outside))
+        };
+        Ok((relative(eta, preset.0), relative(k, preset.1)))
     }
 }
 

@@ -166,12 +166,8 @@ impl Builder<'_> {
             return Ok((diffuse, specular));
         }
         self.warn(object, "diffuse and specular reflectance exceed 1 together: both are scaled, as Mitsuba 0.6 does");
-        let scale = |c| match c {
-            ColorTexture::Constant(c) => ColorTexture::Constant(c * (0.99 / largest)),
-            ColorTexture::Texture(t) => ColorTexture::Scaled(t, Rgb::splat(0.99 / largest)),
-            ColorTexture::Scaled(t, c) => ColorTexture::Scaled(t, c * (0.99 / largest)),
-        };
-        Ok((scale(diffuse), scale(specular)))
+        let factor = Rgb::splat(0.99 / largest);
+        Ok((diffuse.times(factor), specular.times(factor)))
     }
 
     fn ward(&mut self, object: &Object) -> Result<Material, LoadError> {
@@ -228,7 +224,13 @@ impl Builder<'_> {
 
     fn rough_plastic(&mut self, object: &Object) -> Result<Material, LoadError> {
         let constant = |v| ColorTexture::Constant(Rgb::splat(v));
-        let alpha = object.number_or("alpha", 0.1)? as f32;
+        let alpha = match self.float_texture(object, "alpha", FloatTexture::Constant(0.1))? {
+            FloatTexture::Constant(alpha) => alpha,
+            texture => {
+                self.warn(object, "a texture for `alpha` of `roughplastic` is drawn as its mean");
+                texture.mean(&self.scene.textures)
+            }
+        };
         if alpha.is_nan() || alpha <= 0.0 {
             return Err(object.error("a roughness alpha above 0 is needed"));
         }

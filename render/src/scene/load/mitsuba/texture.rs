@@ -87,11 +87,7 @@ impl Builder<'_> {
         Ok(match object.plugin.as_str() {
             "scale" => {
                 let factor = color("scale")?;
-                match self.color_of(self.inner_texture(object)?)? {
-                    ColorTexture::Constant(c) => ColorTexture::Constant(c * factor),
-                    ColorTexture::Texture(t) => ColorTexture::Scaled(t, factor),
-                    ColorTexture::Scaled(t, c) => ColorTexture::Scaled(t, c * factor),
-                }
+                self.color_of(self.inner_texture(object)?)?.times(factor)
             }
             "uniform" => ColorTexture::Constant(color("value")?),
             "srgb" => ColorTexture::Constant(color("color")?),
