@@ -229,6 +229,12 @@ impl Shader<'_> {
                 let cached = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
                 (cached, traced)
             }
+            Treatment::Harmonics { brdf } => {
+                let frame = turned(&s.point, normal);
+                let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
+                let colors = (s.diffuse, s.specular);
+                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, colors)
+            }
             Treatment::Traced => (None, 1.0),
         };
         let path = match cached {
