@@ -49,9 +49,8 @@ const MAX_ORDER_ROWS: usize = row(MAX_ORDER);
 fn add_products(out: &mut [f32], a: &[f32], b: &[f32]) {
     let factors = a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0);
     for (out, (a, b)) in out.as_chunks_mut::<LANES>().0.iter_mut().zip(factors) {
-        for i in 0..LANES {
-            out[i] += a[i] * b[i];
-        }
+        let sum = *out;
+        *out = core::array::from_fn(|i| sum[i] + a[i] * b[i]);
     }
 }
 

@@ -76,16 +76,19 @@ fn weighted(turns: &[PerM; BLOCK], factors: [f32; BLOCK]) -> [PerM; BLOCK] {
 #[inline(always)]
 pub(super) fn accumulate(order: usize, sums: &mut Rows, rows: &[Rows; BLOCK], weights: &[PerM; BLOCK]) {
     let [r0, r1, r2, r3] = rows;
-    let [w0, w1, w2, w3] = weights;
-    let weights = [w0, w1, w2, w3].map(|w| w.as_chunks::<LANES>().0);
+    let [w0, w1, w2, w3] = weights.each_ref().map(|w| w.as_chunks::<LANES>().0);
     for l in 0..order {
-        let rows = [r0, r1, r2, r3].map(|r| vectors(r, l));
-        for (k, sum) in vectors_mut(sums, l).iter_mut().enumerate() {
-            let [r0, r1, r2, r3] = rows.map(|r| &r[k]);
-            let [w0, w1, w2, w3] = weights.map(|w| &w[k]);
+        let rows = vectors(r0, l).iter().zip(vectors(r1, l)).zip(vectors(r2, l).iter().zip(vectors(r3, l)));
+        let weights = w0.iter().zip(w1).zip(w2.iter().zip(w3));
+        for (sum, (((r0, r1), (r2, r3)), ((w0, w1), (w2, w3)))) in
+            vectors_mut(sums, l).iter_mut().zip(rows.zip(weights))
+        {
+            // In a copy, which nothing else can point into: the compiler makes one vector of it.
+            let mut out = *sum;
             for i in 0..LANES {
-                sum[i] += (r0[i] * w0[i] + r1[i] * w1[i]) + (r2[i] * w2[i] + r3[i] * w3[i]);
+                out[i] += (r0[i] * w0[i] + r1[i] * w1[i]) + (r2[i] * w2[i] + r3[i] * w3[i]);
             }
+            *sum = out;
         }
     }
 }
@@ -300,7 +303,7 @@ mod tests {
     #[test]
     fn projections_are_the_sums_of_equation_four() {
         let frame = Frame::from_normal(Vec3A::new(-0.6, 0.0, 0.8));
-        let samples: Vec<GatherSample> = gather(Vec3A::ZERO, &frame, ball).into_iter().step_by(29).collect();
+        let samples: Vec<GatherSample> = gather(Vec3A::ZERO, &frame, ball).into_iter().step_by(31).collect();
         assert!(!samples.len().is_multiple_of(BLOCK));
         for basis in [Basis::Hemispherical, Basis::Spherical] {
             let projector = Projector { basis, order: 12, gradients: Gradients::None };

@@ -50,11 +50,9 @@ pub(super) fn about_z(bands: usize, f: &mut Sum, [c, s]: &[PerM; 2]) {
     for l in 0..bands {
         let terms = vectors_mut(cos, l).iter_mut().zip(vectors_mut(sin, l));
         for ((cos, sin), (c, s)) in terms.zip(c.iter().zip(s)) {
-            for i in 0..LANES {
-                let (x, y) = (cos[i], sin[i]);
-                cos[i] = x * c[i] - y * s[i];
-                sin[i] = x * s[i] + y * c[i];
-            }
+            let (x, y) = (*cos, *sin);
+            *cos = core::array::from_fn(|i| x[i] * c[i] - y[i] * s[i]);
+            *sin = core::array::from_fn(|i| x[i] * s[i] + y[i] * c[i]);
         }
     }
 }
