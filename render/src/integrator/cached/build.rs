@@ -1,5 +1,6 @@
 //! Filling the caches of a picture (eas-2015, Algorithm 1, first stage).
 
+use super::caches::Caches;
 use super::incident::IncidentTracer;
 use super::points::{Point, pixel_point};
 use super::policy::{Policy, Treatment};
@@ -10,7 +11,6 @@ use crate::film::widest;
 use crate::frame::Frame;
 use crate::gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform};
 use crate::record::eas::{EasRecord, Estimator};
-use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::{IrradianceRecord, Strata};
 use crate::record::{Cell, Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
 use crate::sampler::Sampler;
@@ -21,39 +21,6 @@ use glam::Vec3A;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-
-/// The caches of a picture.
-#[derive(Clone, Debug)]
-pub struct Caches {
-    /// Coarse irradiance on all surfaces seen, which ends the paths of the gather.
-    pub coarse: Cache<IrradianceRecord>,
-    /// Irradiance on diffuse surfaces.
-    pub irradiance: Cache<IrradianceRecord>,
-    /// Sources on glossy surfaces.
-    pub eas: Cache<EasRecord>,
-    /// Incident radiance on glossy surfaces.
-    pub harmonics: Cache<HarmonicsRecord>,
-    /// Rays traced.
-    pub rays: u64,
-}
-
-impl Caches {
-    /// No records yet, for a scene with these corners.
-    pub fn new(min: Vec3A, max: Vec3A) -> Self {
-        Self {
-            coarse: Cache::new(min, max),
-            irradiance: Cache::new(min, max),
-            eas: Cache::new(min, max),
-            harmonics: Cache::new(min, max),
-            rays: 0,
-        }
-    }
-
-    /// Memory of all records, bytes.
-    pub fn bytes(&self) -> usize {
-        self.coarse.bytes() + self.irradiance.bytes() + self.eas.bytes() + self.harmonics.bytes()
-    }
-}
 
 /// Weight that counts as covered: less, and the zones would not overlap.
 pub(super) const COVERED: f32 = 0.2;

@@ -5,7 +5,7 @@
 //! record is position, normal, tangent and radius, material, order and count (10 f32, 3 u32), and its coefficients (f32).
 
 use super::Settings;
-use super::build::Caches;
+use super::caches::Caches;
 use super::policy::Policy;
 use crate::record::Record;
 use crate::record::eas::{Eas, EasRecord, Estimator};

@@ -1,6 +1,7 @@
 //! Rendering with caches: direct light per pixel, indirect light from records.
 
 mod build;
+mod caches;
 mod direct;
 pub mod file;
 mod harmonics;
@@ -19,7 +20,8 @@ use crate::record::harmonics::HarmonicsRecord;
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::world::World;
-pub use build::{Builder, Caches};
+pub use build::Builder;
+pub use caches::Caches;
 use fearless_simd::Level;
 use file::Loaded;
 pub use incident::IncidentTracer;

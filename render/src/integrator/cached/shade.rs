@@ -1,7 +1,7 @@
 //! From caches to pixels (eas-2015, Algorithm 1, second stage, eq. 17): direct light by many rays per pixel, indirect light
 //! once per surface that the pixel shows.
 
-use super::build::Caches;
+use super::caches::Caches;
 use super::direct::{Left, emission, environment, receiver, sample_light};
 use super::incident::{IncidentTracer, interpolated};
 use super::points::{PixelCone, Point, Seen, see};

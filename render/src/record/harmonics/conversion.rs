@@ -1,7 +1,7 @@
 //! Hemispherical harmonics as spherical ones and back (Gautron et al. 2004): the way to turn a function of the hemisphere.
 //! What the turn brings below the horizon is lost on the way back, as it should.
 
-use super::basis::{BANDS, LANES, MAX_ORDER, PACKED, legendre, row, row_length};
+use super::basis::{BANDS, LANES, MAX_ORDER, PACKED, Rows, legendre, vectors, vectors_mut};
 use super::projection::Sum;
 use brdf_tables::gauss::gauss_legendre;
 use core::f64::consts::{PI, SQRT_2};
@@ -12,14 +12,13 @@ pub(super) fn bands_for(order: usize) -> usize {
     (order + order / 3 + 3).min(BANDS)
 }
 
-/// ∫ Hₗᵐ Yₗ′ᵐ over the hemisphere for all m at place(l′, l) + m. Other integrals are zero.
-fn products() -> &'static [f32] {
-    static PRODUCTS: OnceLock<Vec<f32>> = OnceLock::new();
+/// ∫ Hₗᵐ Yₖᵐ over the hemisphere at place(c, k, l), m = 8c … 8c + 7. Integrals of different m are zero.
+fn products() -> &'static [[f32; LANES]] {
+    static PRODUCTS: OnceLock<Vec<[f32; LANES]>> = OnceLock::new();
     PRODUCTS.get_or_init(|| {
         // With z = t² the integrand is smooth at the horizon.
         const NODES: usize = 96;
-        let count = MAX_ORDER * PACKED;
-        let mut sums = vec![0f64; BANDS * count];
+        let mut sums = vec![[0f64; LANES]; place(CHUNKS, 0, 0)];
         for (x, weight) in gauss_legendre(NODES) {
             let t = 0.5 * (x + 1.0);
             let (z, weight) = (t * t, weight * t * 2.0 * PI * SQRT_2);
@@ -28,30 +27,31 @@ fn products() -> &'static [f32] {
                 for k in m..BANDS {
                     let spherical = weight * legendre(k, m, z);
                     for (i, h) in hemispherical.iter().enumerate() {
-                        sums[place(k, m + i) + m] += spherical * h;
+                        sums[place(m / LANES, k, m + i)][m % LANES] += spherical * h;
                     }
                 }
             }
         }
-        sums.into_iter().map(|x| x as f32).collect()
+        sums.into_iter().map(|v| v.map(|x| x as f32)).collect()
     })
 }
 
+/// Vectors of m that hemispherical rows are divided into.
+const CHUNKS: usize = MAX_ORDER.div_ceil(LANES);
+
 /// Place of the products of spherical band k with hemispherical band l.
-const fn place(k: usize, l: usize) -> usize {
-    k * MAX_ORDER_ROWS + row(l)
+const fn place(chunk: usize, k: usize, l: usize) -> usize {
+    (chunk * BANDS + k) * MAX_ORDER + l
 }
 
-/// Numbers of all hemispherical rows.
-const MAX_ORDER_ROWS: usize = row(MAX_ORDER);
-
+/// Vector number `chunk` of the rows that have one, by band.
 #[inline(always)]
-fn add_products(out: &mut [f32], a: &[f32], b: &[f32]) {
-    let factors = a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0);
-    for (out, (a, b)) in out.as_chunks_mut::<LANES>().0.iter_mut().zip(factors) {
-        let sum = *out;
-        *out = core::array::from_fn(|i| sum[i] + a[i] * b[i]);
+fn gather(bands: usize, chunk: usize, f: &Rows) -> [[f32; LANES]; BANDS] {
+    let mut out = [[0f32; LANES]; BANDS];
+    for (l, out) in out.iter_mut().enumerate().take(bands).skip(chunk * LANES) {
+        *out = vectors(f, l)[chunk];
     }
+    out
 }
 
 /// The spherical function, zero below the horizon, nearest to a hemispherical one.
@@ -59,13 +59,18 @@ fn add_products(out: &mut [f32], a: &[f32], b: &[f32]) {
 pub(super) fn to_sphere(order: usize, f: &Sum) -> Sum {
     let products = products();
     let mut out = [[0f32; PACKED]; 2];
-    for k in 0..bands_for(order) {
-        for l in 0..order {
-            let length = row_length(l.min(k));
-            let products = &products[place(k, l)..place(k, l) + length];
-            for (out, f) in out.iter_mut().zip(f) {
-                let (out, f) = (&mut out[row(k)..row(k) + length], &f[row(l)..row(l) + length]);
-                add_products(out, products, f);
+    for (out, f) in out.iter_mut().zip(f) {
+        for chunk in 0..order.div_ceil(LANES) {
+            let (first, f) = (chunk * LANES, gather(order, chunk, f));
+            for k in first..bands_for(order) {
+                let mut sum = [0f32; LANES];
+                let products = &products[place(chunk, k, first)..place(chunk, k, order)];
+                for (p, f) in products.iter().zip(&f[first..order]) {
+                    for i in 0..LANES {
+                        sum[i] += p[i] * f[i];
+                    }
+                }
+                vectors_mut(out, k)[chunk] = sum;
             }
         }
     }
@@ -77,13 +82,20 @@ pub(super) fn to_sphere(order: usize, f: &Sum) -> Sum {
 pub(super) fn to_hemisphere(order: usize, f: &Sum) -> Sum {
     let products = products();
     let mut out = [[0f32; PACKED]; 2];
-    for l in 0..order {
-        for k in 0..bands_for(order) {
-            let length = row_length(l.min(k));
-            let products = &products[place(k, l)..place(k, l) + length];
-            for (out, f) in out.iter_mut().zip(f) {
-                let (out, f) = (&mut out[row(l)..row(l) + length], &f[row(k)..row(k) + length]);
-                add_products(out, products, f);
+    for (out, f) in out.iter_mut().zip(f) {
+        for chunk in 0..order.div_ceil(LANES) {
+            let first = chunk * LANES;
+            let mut sums = [[0f32; LANES]; BANDS];
+            for k in first..bands_for(order) {
+                let f = vectors(f, k)[chunk];
+                let products = &products[place(chunk, k, first)..place(chunk, k, order)];
+                for (p, sum) in products.iter().zip(&mut sums[first..order]) {
+                    let old = *sum;
+                    *sum = core::array::from_fn(|i| old[i] + p[i] * f[i]);
+                }
+            }
+            for (l, sum) in sums.iter().enumerate().take(order).skip(first) {
+                vectors_mut(out, l)[chunk] = *sum;
             }
         }
     }
@@ -92,7 +104,7 @@ pub(super) fn to_hemisphere(order: usize, f: &Sum) -> Sum {
 
 #[cfg(test)]
 mod tests {
-    use super::super::basis::Basis;
+    use super::super::basis::{Basis, row};
     use super::super::projection::compact;
     use super::super::rotation::Rotation;
     use super::*;

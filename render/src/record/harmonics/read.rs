@@ -65,9 +65,9 @@ impl Reader {
     #[inline(always)]
     pub fn read(&mut self, record: &HarmonicsRecord, position: Vec3A) -> Reflected {
         match self.basis {
-            Basis::Spherical if self.ready.is_none() => self.to_world(),
+            Basis::Spherical if self.ready.is_none() => self.turn_to_world(),
             Basis::Spherical => (),
-            Basis::Hemispherical if self.ready.as_ref() != Some(record.frame()) => self.to_record(record.frame()),
+            Basis::Hemispherical if self.ready.as_ref() != Some(record.frame()) => self.turn_to_record(record.frame()),
             Basis::Hemispherical => (),
         }
         let offset = record.frame().to_local(position - record.position());
@@ -76,7 +76,7 @@ impl Reader {
 
     /// Functions in the frame of the world.
     #[inline(always)]
-    fn to_world(&mut self) {
+    fn turn_to_world(&mut self) {
         let [x, y, z] = [Vec3A::X, Vec3A::Y, Vec3A::Z].map(|v| self.frame.to_world(v));
         let rotation = Rotation::new(Mat3A::from_cols(x, y, z));
         rotation.apply(self.order, &mut self.lobe);
@@ -89,7 +89,7 @@ impl Reader {
 
     /// Functions in the frame of a record.
     #[inline(always)]
-    fn to_record(&mut self, frame: &Frame) {
+    fn turn_to_record(&mut self, frame: &Frame) {
         let [x, y, z] = [Vec3A::X, Vec3A::Y, Vec3A::Z].map(|v| frame.to_local(self.frame.to_world(v)));
         self.ready = Some(*frame);
         if z.z >= SAME_NORMAL {

@@ -4,7 +4,7 @@
 //! a sine for each m, and the quarter turn about y is one constant matrix per band: n³/3 products of cosine terms, as many of
 //! sine terms, and twice that in all. The constants come from the recurrences of Ivanic and Ruedenberg (1996, corrected 1998).
 
-use super::basis::{BANDS, LANES, PerM, WIDTH, multiples, row, row_length, vectors_mut};
+use super::basis::{BANDS, LANES, PerM, WIDTH, multiples, row_length, vectors_mut};
 use super::projection::Sum;
 use core::cmp::Ordering;
 use glam::{DMat3, Mat3A};
@@ -62,46 +62,57 @@ pub(super) fn about_z(bands: usize, f: &mut Sum, [c, s]: &[PerM; 2]) {
 fn quarter(bands: usize, f: &mut Sum) {
     for (f, columns) in f.iter_mut().zip(quarter_columns()) {
         for l in 0..bands {
-            let (start, length) = (row(l), row_length(l));
-            let mut out = [0f32; WIDTH];
-            for m in 0..=l {
-                let x = f[start + m];
-                let column = &columns[column(l, m)..column(l, m) + length];
-                for (out, column) in out.as_chunks_mut::<LANES>().0.iter_mut().zip(column.as_chunks::<LANES>().0) {
-                    for i in 0..LANES {
-                        out[i] += column[i] * x;
-                    }
-                }
+            let columns = &columns[column(l, 0)..column(l + 1, 0)];
+            match row_length(l) / LANES {
+                1 => quarter_band::<1>(columns, vectors_mut(f, l)),
+                2 => quarter_band::<2>(columns, vectors_mut(f, l)),
+                3 => quarter_band::<3>(columns, vectors_mut(f, l)),
+                4 => quarter_band::<4>(columns, vectors_mut(f, l)),
+                _ => quarter_band::<{ WIDTH / LANES }>(columns, vectors_mut(f, l)),
             }
-            f[start..start + length].copy_from_slice(&out[..length]);
         }
     }
 }
 
-/// Place of a padded column of the quarter turn.
-const fn column(l: usize, m: usize) -> usize {
-    let mut start = 0;
-    let mut k = 0;
-    while k < l {
-        start += (k + 1) * row_length(k);
-        k += 1;
+/// A matrix of columns of N vectors times a row: the sums stay in registers.
+#[inline(always)]
+fn quarter_band<const N: usize>(columns: &[[f32; LANES]], row: &mut [[f32; LANES]]) {
+    let mut out = [[0f32; LANES]; N];
+    for (column, x) in columns.as_chunks::<N>().0.iter().zip(row.as_flattened()) {
+        for (out, column) in out.iter_mut().zip(column) {
+            for i in 0..LANES {
+                out[i] += column[i] * x;
+            }
+        }
     }
-    start + m * row_length(l)
+    row.copy_from_slice(&out);
+}
+
+/// Place of a column of the quarter turn, in vectors: Σ (k + 1)⌈(k + 1)/8⌉ over the bands before, in groups of eight.
+const fn column(l: usize, m: usize) -> usize {
+    let (q, r) = (l / LANES, l % LANES);
+    let mut start = 0;
+    let mut g = 0;
+    while g < q {
+        start += (g + 1) * (LANES * LANES * g + LANES * (LANES + 1) / 2);
+        g += 1;
+    }
+    start + (q + 1) * (LANES * q * r + r * (r + 1) / 2) + m * row_length(l) / LANES
 }
 
 /// Columns of the quarter turn, for cosine and for sine terms, which it does not mix.
-fn quarter_columns() -> &'static [Vec<f32>; 2] {
-    static COLUMNS: OnceLock<[Vec<f32>; 2]> = OnceLock::new();
+fn quarter_columns() -> &'static [Vec<[f32; LANES]>; 2] {
+    static COLUMNS: OnceLock<[Vec<[f32; LANES]>; 2]> = OnceLock::new();
     COLUMNS.get_or_init(|| {
         let turn = DMat3::from_rotation_y(core::f64::consts::FRAC_PI_2);
-        let mut columns = [vec![0.0; column(BANDS, 0)], vec![0.0; column(BANDS, 0)]];
+        let mut columns = [(); 2].map(|()| vec![[0.0; LANES]; column(BANDS, 0)]);
         for (l, band) in matrices(turn, BANDS).into_iter().enumerate() {
             for from in 0..=l as i32 {
                 for to in 0..=l as i32 {
-                    let at = column(l, from as usize) + to as usize;
-                    columns[0][at] = band.at(to, from) as f32;
+                    let (vector, lane) = (column(l, from as usize) + to as usize / LANES, to as usize % LANES);
+                    columns[0][vector][lane] = band.at(to, from) as f32;
                     if from > 0 && to > 0 {
-                        columns[1][at] = band.at(-to, -from) as f32;
+                        columns[1][vector][lane] = band.at(-to, -from) as f32;
                     }
                 }
             }
@@ -173,10 +184,17 @@ fn element(one: &impl Fn(i32, i32) -> f64, before: &Band, l: i32, m: i32, n: i32
 
 #[cfg(test)]
 mod tests {
-    use super::super::basis::{Basis, PACKED};
+    use super::super::basis::{Basis, PACKED, row};
     use super::super::projection::compact;
     use super::*;
     use glam::{DVec3, Mat3A, Vec3A};
+
+    #[test]
+    fn columns_follow_one_another() {
+        for l in 0..BANDS {
+            assert_eq!(column(l + 1, 0), column(l, l + 1));
+        }
+    }
 
     fn rotations() -> Vec<DMat3> {
         let mut out = vec![DMat3::IDENTITY, DMat3::from_rotation_z(0.7), DMat3::from_rotation_x(core::f64::consts::PI)];
