@@ -49,16 +49,44 @@ pub fn gather_cells(
     frame: &Frame,
     cells: &[(Cell, u32)],
     mut point: impl FnMut(u32) -> Vec2,
+    incident: impl FnMut(Vec3A, u32) -> Incident,
+) -> Vec<GatherSample> {
+    let place = |cell: &Cell, share: f32, number: u32| {
+        let direction = cell.sample_cosine(point(number));
+        (direction, cell.solid_angle() * share, cell.projected_solid_angle() * share)
+    };
+    in_cells(frame, cells, place, incident)
+}
+
+/// The same with directions uniform in each cell, so that constant radiance gives the exact solid angle of every cell: what
+/// projection needs, whose weights are not cosines.
+pub fn gather_cells_uniform(
+    frame: &Frame,
+    cells: &[(Cell, u32)],
+    mut point: impl FnMut(u32) -> Vec2,
+    incident: impl FnMut(Vec3A, u32) -> Incident,
+) -> Vec<GatherSample> {
+    let place = |cell: &Cell, share: f32, number: u32| {
+        let direction = cell.sample_uniform(point(number));
+        let solid_angle = cell.solid_angle() * share;
+        (direction, solid_angle, solid_angle * direction.z)
+    };
+    in_cells(frame, cells, place, incident)
+}
+
+/// `place` gives direction, solid angle and projected solid angle of a sample that has a share of a cell.
+fn in_cells(
+    frame: &Frame,
+    cells: &[(Cell, u32)],
+    mut place: impl FnMut(&Cell, f32, u32) -> (Vec3A, f32, f32),
     mut incident: impl FnMut(Vec3A, u32) -> Incident,
 ) -> Vec<GatherSample> {
     let mut samples = Vec::with_capacity(cells.iter().map(|c| c.1 as usize).sum());
     for (cell, count) in cells {
-        let share = 1.0 / *count as f32;
         for _ in 0..*count {
             let number = samples.len() as u32;
-            let direction = cell.sample_cosine(point(number));
+            let (direction, solid_angle, projected) = place(cell, 1.0 / *count as f32, number);
             let light = incident(frame.to_world(direction), number);
-            let (solid_angle, projected) = (cell.solid_angle() * share, cell.projected_solid_angle() * share);
             samples.push(sample(direction, light, solid_angle, projected));
         }
     }

@@ -223,6 +223,29 @@ fn cached_pictures_fit_what_they_need() {
     assert!(stats["bytes_per_record"].as_f64() < Some(16_000.0) && stats["seconds"]["fill"].as_f64() > Some(0.0));
 }
 
+/// Harmonics need no table; the figures tell their order and size.
+#[test]
+fn harmonics_draw_without_tables() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    let run = "image glossy.xml --method sh --spp 2 --tau 0.1 --tables made -o a.exr --stats s.json";
+    let (code, _, err) = folder.run(&format!("{run} --order 6 --gradients none --show-records r.png"));
+    assert!(code == 0 && err.contains("harmonics of order 6") && err.contains("harmonic records"), "{err}");
+    assert!(!folder.path("made").exists() && folder.path("r.png").exists());
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("s.json")).unwrap()).unwrap();
+    assert_eq!((&stats["method"], &stats["order_mean"]), (&"sh".into(), &6.0.into()));
+    let bytes = stats["bytes_per_record"].as_f64().unwrap();
+    assert!((36.0 * 12.0..36.0 * 12.0 + 128.0).contains(&bytes), "{bytes}");
+    folder.ok(&format!("{run} --basis spherical --cache x.cache"));
+    folder.ok(&format!("{run} --basis spherical --cache x.cache"));
+    folder.bad(&format!("{run} --cache x.cache"), "x.cache");
+    folder.bad("image glossy.xml --method sh --order 30 -o a.png", "--order");
+    folder.bad("image glossy.xml --method sh --order 0 -o a.png", "--order");
+    folder.bad("image glossy.xml --method eas --order 10 -o a.png", "--order needs --method sh");
+    folder.bad("image glossy.xml --gradients none -o a.png", "--gradients needs --method sh");
+    folder.bad("image glossy.xml --method auto --basis spherical -o a.png", "--basis needs --method sh");
+}
+
 #[test]
 fn what_caches_cannot_do_is_refused() {
     let folder = Folder::new();

@@ -10,6 +10,7 @@ use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Figures, Settings, TOLERANCE, render_cached};
 use render::record::eas::Estimator;
+use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
 use render::scene::{Camera, Crop, Scene, load};
 use render::tables::Tables;
 use render::world::World;
@@ -34,6 +35,8 @@ enum Method {
     Path,
     /// EAS on every glossy surface that a table can hold.
     Eas,
+    /// Radiance caching with harmonics on every glossy surface that they can hold, irradiance records on diffuse ones.
+    Sh,
     /// Irradiance records on diffuse surfaces, path tracing of glossy ones.
     Irradiance,
 }
@@ -44,6 +47,7 @@ impl Method {
             Self::Auto => "auto",
             Self::Path => "path",
             Self::Eas => "eas",
+            Self::Sh => "sh",
             Self::Irradiance => "irradiance",
         }
     }
@@ -63,6 +67,15 @@ pub struct Args {
     /// How EAS are moved and summed: the published way, or ours.
     #[arg(long, value_enum, default_value_t = Estimator::Improved)]
     eas: Estimator,
+    /// Harmonics of every view, instead of the least that lose no more of its lobe than tau allows; no view is path traced then.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MAX_ORDER as i64))]
+    order: Option<u8>,
+    /// How harmonic records change with position [default: analytic].
+    #[arg(long, value_enum)]
+    gradients: Option<Gradients>,
+    /// Which harmonics: in the frame of the record, or in that of the world [default: hemispherical].
+    #[arg(long, value_enum)]
+    basis: Option<Basis>,
     /// Quality of a cached rendering, the paper's tau: rays, spacing and number of sources follow
     /// [default: 0.02, or what --time allows].
     #[arg(long, value_name = "TAU")]
@@ -109,8 +122,8 @@ pub struct Args {
     /// Write figures of the run.
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// Write the rendering with its records: dots, and the circles they reach. EAS red, irradiance green, coarse irradiance
-    /// blue.
+    /// Write the rendering with its records: dots, and the circles they reach. EAS or harmonics red, irradiance green, coarse
+    /// irradiance blue.
     #[arg(long, value_name = "OUT.png")]
     show_records: Option<PathBuf>,
 }
@@ -137,10 +150,18 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
     let allowed = match args.method {
         Method::Irradiance => Allowed::Irradiance,
         Method::Eas => Allowed::Eas,
+        Method::Sh => Allowed::Harmonics(HarmonicsSettings::new(
+            args.basis.unwrap_or_default(),
+            args.gradients.unwrap_or_default(),
+            args.tau.unwrap_or(TOLERANCE),
+            args.order.map(usize::from),
+        )),
         Method::Auto | Method::Path => Allowed::Auto,
     };
     let mut tables = Tables::open(&args.tables)?;
+    let deciding = Instant::now();
     let policy = pool.install(|| Policy::new(&world.scene, allowed, |recipe| tables.find(recipe)))?;
+    let fitting = if policy.projection.is_some() { deciding.elapsed() } else { tables.fitting };
     for note in tables.notes.iter().chain(&policy.notes) {
         eprintln!("render: {note}");
     }
@@ -163,14 +184,18 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
         file::save(path, world, &policy, &settings, tolerance, &caches)
             .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
     }
-    stats.take(&figures, tables.fitting);
+    stats.take(&figures, fitting);
+    let glossy = match args.method {
+        Method::Sh => format!("{} harmonic records of order {:.1}", figures.harmonics_records, stats.order_mean),
+        _ => format!("{} EAS records of {:.0} sources", figures.eas_records, stats.eas_mean),
+    };
+    if figures.negative_pixels > 0 {
+        eprintln!("render: indirect light is negative in {} pixels: ringing", figures.negative_pixels);
+    }
     eprintln!(
-        "render: {:.2} s to fill, {:.2} s to shade; {} EAS records of {:.0} sources and {:.0} bytes, {} irradiance records; \
-        {} KB in all; tau {:.4}",
+        "render: {:.2} s to fill, {:.2} s to shade; {glossy} and {:.0} bytes, {} irradiance records; {} KB in all; tau {:.4}",
         stats.seconds.fill,
         stats.seconds.shade,
-        figures.eas_records,
-        stats.eas_mean,
         stats.bytes_per_record,
         figures.irradiance_records,
         figures.bytes / 1000,
@@ -190,6 +215,8 @@ struct Stats {
     rays: u64,
     records: u64,
     eas_mean: f64,
+    order_mean: f64,
+    negative_pixels: u64,
     bytes_per_record: f64,
     cache_bytes: u64,
     spp: u32,
@@ -201,10 +228,13 @@ impl Stats {
         self.seconds.fit = fitting.as_secs_f64();
         self.seconds.fill = figures.fill.as_secs_f64();
         self.seconds.shade = figures.shade.as_secs_f64();
-        self.records = (figures.eas_records + figures.irradiance_records) as u64;
-        let per_record = |x: usize| if figures.eas_records > 0 { x as f64 / figures.eas_records as f64 } else { 0.0 };
+        let glossy = figures.eas_records + figures.harmonics_records;
+        self.records = (glossy + figures.irradiance_records) as u64;
+        let per_record = |x: usize| x as f64 / glossy.max(1) as f64;
         self.eas_mean = per_record(figures.sources);
-        self.bytes_per_record = per_record(figures.eas_bytes);
+        self.order_mean = per_record(figures.bands);
+        self.negative_pixels = figures.negative_pixels;
+        self.bytes_per_record = per_record(figures.eas_bytes + figures.harmonics_bytes);
         self.cache_bytes = figures.bytes as u64;
     }
 }
@@ -227,6 +257,16 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(error) = args.error {
         ensure!(error > 0.0 && error.is_finite(), "--error needs a number > 0");
     }
+    if !matches!(args.method, Method::Sh) {
+        let given = [
+            ("--order", args.order.is_some()),
+            ("--gradients", args.gradients.is_some()),
+            ("--basis", args.basis.is_some()),
+        ];
+        if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+            bail!("{option} needs --method sh");
+        }
+    }
     for output in &args.output {
         let extension = output.extension().unwrap_or_default().to_ascii_lowercase();
         if extension != "exr" && extension != "png" {
@@ -236,7 +276,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(path) = &args.show_records {
         ensure!(
             !matches!(args.method, Method::Path),
-            "--show-records needs --method auto, eas or irradiance: path tracing keeps no records"
+            "--show-records needs --method auto, eas, sh or irradiance: path tracing keeps no records"
         );
         if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
             bail!("{}: the name must end in .png", path.display());

@@ -10,8 +10,8 @@ use crate::world::World;
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3A};
 
-/// Colours of the kinds, linear: EAS, irradiance, coarse irradiance.
-const EAS: [f32; 3] = [1.0, 0.15, 0.05];
+/// Colours of the kinds, linear: EAS or harmonics, irradiance, coarse irradiance.
+const GLOSSY: [f32; 3] = [1.0, 0.15, 0.05];
 const IRRADIANCE: [f32; 3] = [0.05, 0.9, 0.1];
 const COARSE: [f32; 3] = [0.1, 0.3, 1.0];
 
@@ -19,13 +19,14 @@ const COARSE: [f32; 3] = [0.1, 0.3, 1.0];
 const RING: f32 = 0.35;
 
 /// A rendering with a dot for every record the camera sees, and the circle of its zone of influence on its tangent plane,
-/// at least one pixel wide: EAS records red, irradiance green, coarse irradiance blue. Records and parts of circles that something hides, and
+/// at least one pixel wide: EAS or harmonic records red, irradiance green, coarse irradiance blue. Records and parts of circles that something hides, and
 /// those of surfaces seen in mirrors only, are left out.
 pub fn show_records(image: &Image, world: &World, caches: &Caches) -> Image {
     let mut out = Overlay { image: image.clone(), camera: RayGenerator::new(&world.scene.camera), world };
     caches.coarse.records().iter().for_each(|r| out.record(r, COARSE));
     caches.irradiance.records().iter().for_each(|r| out.record(r, IRRADIANCE));
-    caches.eas.records().iter().for_each(|r| out.record(r, EAS));
+    caches.eas.records().iter().for_each(|r| out.record(r, GLOSSY));
+    caches.harmonics.records().iter().for_each(|r| out.record(r, GLOSSY));
     out.image
 }
 

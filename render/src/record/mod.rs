@@ -1,9 +1,10 @@
-//! What a cache keeps at a point: equivalent area light sources for glossy surfaces, irradiance for diffuse ones.
+//! What a cache keeps at a point: equivalent area light sources or harmonics for glossy surfaces, irradiance for diffuse ones.
 
 mod cell;
 mod cut;
 pub mod eas;
 mod guide;
+pub mod harmonics;
 pub mod irradiance;
 mod reflector;
 mod translate;
@@ -12,7 +13,7 @@ mod tree;
 pub use cell::{Cell, cap_half_angle};
 pub use cut::{Cut, CutSettings, cut, global_error};
 pub use guide::{Guide, View, hemisphere_directions};
-pub use reflector::{Albedo, Reflector};
+pub use reflector::{Albedo, Reflector, fresnel_tint};
 pub use translate::{Receiver, Reflected, Scratch, reflect};
 pub use tree::{Centroid, Node, Tree, luminance};
 

@@ -28,13 +28,19 @@ impl Reflector<'_> {
     /// Colour of the Fresnel term for light from `wi`, both directions local.
     #[inline]
     pub fn tint(&self, wi: Vec3A, wo: Vec3A) -> Rgb {
-        match self.table.specular() {
-            Some(Specular::Microfacet(m)) if m.fresnel != Fresnel::None => {
-                let tint = m.fresnel.tint(f64::from((0.5 * (wi + wo).length()).min(1.0)));
-                Rgb::from_array(tint.map(|x| x as f32))
-            }
-            _ => Rgb::ONE,
+        self.table.specular().map_or(Rgb::ONE, |s| fresnel_tint(s, wi, wo))
+    }
+}
+
+/// Colour of the Fresnel term of a model for light from `wi`, both directions local.
+#[inline]
+pub fn fresnel_tint(specular: &Specular, wi: Vec3A, wo: Vec3A) -> Rgb {
+    match specular {
+        Specular::Microfacet(m) if m.fresnel != Fresnel::None => {
+            let tint = m.fresnel.tint(f64::from((0.5 * (wi + wo).length()).min(1.0)));
+            Rgb::from_array(tint.map(|x| x as f32))
         }
+        _ => Rgb::ONE,
     }
 }
 

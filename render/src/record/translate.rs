@@ -36,6 +36,8 @@ pub struct Scratch {
     caps: CapBatch,
     light: Vec<Rgb>,
     mean: Vec<f32>,
+    /// Functions to read harmonics with.
+    pub harmonics: super::harmonics::Reader,
 }
 
 /// Most a source may grow or shrink on the way to a point of the zone of influence: what is more is not a translation.
@@ -58,7 +60,7 @@ pub fn reflect(
     estimator: Estimator,
     scratch: &mut Scratch,
 ) -> Reflected {
-    let Scratch { caps, light, mean } = scratch;
+    let Scratch { caps, light, mean, .. } = scratch;
     caps.clear();
     light.clear();
     let mut out = Reflected::default();

@@ -1,5 +1,6 @@
 //! Filling the caches of a picture (eas-2015, Algorithm 1, first stage).
 
+use super::caches::Caches;
 use super::incident::IncidentTracer;
 use super::points::{Point, pixel_point};
 use super::policy::{Policy, Treatment};
@@ -8,10 +9,10 @@ use crate::cache::{Cache, Grid, RadiusPolicy, clamp_to_neighbours, fill};
 use crate::camera::RayGenerator;
 use crate::film::widest;
 use crate::frame::Frame;
-use crate::gather::{GatherSample, Incident, gather_cells, gather_uniform};
+use crate::gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform};
 use crate::record::eas::{EasRecord, Estimator};
 use crate::record::irradiance::{IrradianceRecord, Strata};
-use crate::record::{Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
+use crate::record::{Cell, Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::World;
@@ -21,33 +22,20 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// The caches of a picture.
-#[derive(Clone, Debug)]
-pub struct Caches {
-    /// Coarse irradiance on all surfaces seen, which ends the paths of the gather.
-    pub coarse: Cache<IrradianceRecord>,
-    /// Irradiance on diffuse surfaces.
-    pub irradiance: Cache<IrradianceRecord>,
-    /// Sources on glossy surfaces.
-    pub eas: Cache<EasRecord>,
-    /// Rays traced.
-    pub rays: u64,
-}
-
 /// Weight that counts as covered: less, and the zones would not overlap.
-const COVERED: f32 = 0.2;
+pub(super) const COVERED: f32 = 0.2;
 
 /// What making records needs.
 pub struct Builder<'a> {
     pub(super) world: &'a World,
     pub(super) policy: &'a Policy,
     pub(super) environment: Option<&'a Environment>,
-    quality: Quality,
+    pub(super) quality: Quality,
     pub(super) seed: u64,
     /// What the middle of every pixel shows.
     pub(super) points: Vec<Option<Point>>,
-    grid: Grid,
-    rays: AtomicU64,
+    pub(super) grid: Grid,
+    pub(super) rays: AtomicU64,
 }
 
 impl<'a> Builder<'a> {
@@ -75,12 +63,7 @@ impl<'a> Builder<'a> {
     pub fn build(&self, kept: Option<Caches>, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
         let (min, max) = self.world.bounds();
         let depth = self.world.scene.integrator.max_depth;
-        let mut caches = kept.unwrap_or_else(|| Caches {
-            coarse: Cache::new(min, max),
-            irradiance: Cache::new(min, max),
-            eas: Cache::new(min, max),
-            rays: 0,
-        });
+        let mut caches = kept.unwrap_or_else(|| Caches::new(min, max));
         self.fill_coarse(&mut caches.coarse, deadline, &|x| progress(0.1 * x));
         if depth > 2 || (depth == 2 && self.environment.is_some()) {
             let short = self.tracer(Some(&caches.coarse), self.environment, depth - 1);
@@ -88,7 +71,9 @@ impl<'a> Builder<'a> {
             let diffuse = |p: &Point| self.treatment(p) == Treatment::Irradiance;
             let progress_here = |x: f64| progress(0.1 + 0.3 * x);
             self.fill_irradiance(&mut caches.irradiance, &short, quality, 2, diffuse, deadline, &progress_here);
+            // A policy has one kind of glossy records: the other fill finds nothing to do.
             self.fill_eas(&mut caches.eas, &short, deadline, &|x| progress(0.4 + 0.6 * x));
+            self.fill_harmonics(&mut caches.harmonics, &short, deadline, &|x| progress(0.4 + 0.6 * x));
         }
         caches.rays = self.rays.load(Ordering::Relaxed);
         caches
@@ -215,14 +200,7 @@ impl<'a> Builder<'a> {
             Estimator::Improved => {
                 let (views, pixels) = self.views(point, i, lobe.width);
                 reach = pixels;
-                let guide = Guide::new(&frame, &views, lobe.width, quality.fineness);
-                let cells = guide.cells(quality.max_cells);
-                let smallest = cells.iter().map(crate::record::Cell::solid_angle).fold(f32::INFINITY, f32::min);
-                let per_cell = |c: &crate::record::Cell| {
-                    let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
-                    (quality.rays_per_cell as f32 * larger).round() as u32
-                };
-                let cells: Vec<_> = cells.into_iter().map(|c| (c, per_cell(&c))).collect();
+                let cells = self.guided_cells(&frame, &views, lobe.width);
                 let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
                 let mut samples = gather.cells(&frame, &cells);
                 let tree = Tree::new(&mut samples, most as usize, Centroid::Direction);
@@ -239,9 +217,21 @@ impl<'a> Builder<'a> {
         Some((record, samples, gather.rays))
     }
 
+    /// The hemisphere divided for the views that will read a record, with the rays of each cell.
+    pub(super) fn guided_cells(&self, frame: &Frame, views: &[View], lobe_width: f32) -> Vec<(Cell, u32)> {
+        let quality = &self.quality;
+        let cells = Guide::new(frame, views, lobe_width, quality.fineness).cells(quality.max_cells);
+        let smallest = cells.iter().map(Cell::solid_angle).fold(f32::INFINITY, f32::min);
+        let per_cell = |c: &Cell| {
+            let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
+            (quality.rays_per_cell as f32 * larger).round() as u32
+        };
+        cells.into_iter().map(|c| (c, per_cell(&c))).collect()
+    }
+
     /// Views of the same surface that will read the record of pixel `i`, and how far they reach in pixels: less where the
     /// surface is so curved that its mirror directions leave the region that a record can hold finely.
-    fn views(&self, point: &Point, i: usize, lobe_width: f32) -> (Vec<View>, f32) {
+    pub(super) fn views(&self, point: &Point, i: usize, lobe_width: f32) -> (Vec<View>, f32) {
         let RadiusPolicy { min_pixels, max_pixels, .. } = self.quality.eas;
         let mut reach = max_pixels;
         loop {
@@ -300,7 +290,7 @@ const VIEWS: [(i32, i32); 16] = [
 const MAX_SPREAD: f32 = 5.0;
 
 /// Adds a record whose radius its neighbours may bound.
-fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {
+pub(super) fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {
     let radius = clamp_to_neighbours(cache, record.position(), record.radius(), smallest);
     record.set_radius(radius);
     cache.insert(record);
@@ -373,7 +363,11 @@ impl<'a> Gather<'a> {
         self.run(|point, incident| gather_uniform(frame, count, point, incident))
     }
 
-    fn cells(&mut self, frame: &Frame, cells: &[(crate::record::Cell, u32)]) -> Vec<GatherSample> {
+    fn cells(&mut self, frame: &Frame, cells: &[(Cell, u32)]) -> Vec<GatherSample> {
         self.run(|point, incident| gather_cells(frame, cells, point, incident))
+    }
+
+    pub(super) fn cells_uniform(&mut self, frame: &Frame, cells: &[(Cell, u32)]) -> Vec<GatherSample> {
+        self.run(|point, incident| gather_cells_uniform(frame, cells, point, incident))
     }
 }

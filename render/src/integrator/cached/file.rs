@@ -1,23 +1,25 @@
 //! Caches on disk: a rendering that goes on from one gives the same picture, a moved camera adds what it needs.
 //!
 //! Little-endian: magic (8 bytes), version and header length (u32), header (bincode, at most 64 KiB), records, CRC-32 of all
-//! before it. Irradiance records are 28 f32; an EAS record is 12 numbers of 4 bytes and its sources of 40 bytes.
+//! before it. Irradiance records are 28 f32; an EAS record is 12 numbers of 4 bytes and its sources of 40 bytes; a harmonic
+//! record is position, normal, tangent and radius, material, order and count (10 f32, 3 u32), and its coefficients (f32).
 
 use super::Settings;
-use super::build::Caches;
+use super::caches::Caches;
 use super::policy::Policy;
-use crate::cache::Cache;
 use crate::record::Record;
 use crate::record::eas::{Eas, EasRecord, Estimator};
+use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::IrradianceRecord;
 use crate::scene::{Environment, Geometry, Texture};
 use crate::world::World;
+use glam::Vec3A;
 use serde::{Deserialize, Serialize};
 use std::io::{Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BURNREC\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const MAX_HEADER: usize = 1 << 16;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
@@ -49,6 +51,7 @@ struct Header {
     coarse: u64,
     irradiance: u64,
     eas: u64,
+    harmonics: u64,
 }
 
 /// Caches that were read, and whether they are all that the camera needs.
@@ -89,6 +92,7 @@ fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -
     }
     let mut tables = Hash::default();
     policy.lobes.iter().for_each(|l| tables.text(&format!("{:?}", l.table.header)));
+    tables.text(&format!("{:?}", policy.projection));
     let mut camera = Hash::default();
     camera.text(&format!("{:?}", scene.camera));
     Header {
@@ -102,6 +106,7 @@ fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -
         coarse: 0,
         irradiance: 0,
         eas: 0,
+        harmonics: 0,
     }
 }
 
@@ -143,6 +148,7 @@ pub fn save(
         coarse: count(caches.coarse.records().len()),
         irradiance: count(caches.irradiance.records().len()),
         eas: count(caches.eas.records().len()),
+        harmonics: count(caches.harmonics.records().len()),
         ..header(world, policy, settings, tolerance)
     };
     let encoded = bincode::serde::encode_to_vec(header, config()).map_err(|_| CacheFileError::Format("header"))?;
@@ -161,6 +167,15 @@ pub fn save(
         bytes.extend(record.material.to_le_bytes());
         bytes.extend((record.sources.len() as u32).to_le_bytes());
         record.sources.iter().for_each(|s| bytes.extend(s.to_bytes()));
+    }
+    for record in caches.harmonics.records() {
+        let (p, frame) = (record.position(), record.frame());
+        let (n, t) = (frame.normal(), frame.to_world(Vec3A::X));
+        let words = [p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, record.radius()];
+        words.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        let counts = [record.material, record.order() as u32, record.numbers().len() as u32];
+        counts.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        record.numbers().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     }
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -213,8 +228,7 @@ pub fn load(
         return Err(CacheFileError::Stale(what));
     }
     let (min, max) = world.bounds();
-    let mut caches =
-        Caches { coarse: Cache::new(min, max), irradiance: Cache::new(min, max), eas: Cache::new(min, max), rays: 0 };
+    let mut caches = Caches::new(min, max);
     for _ in 0..found.coarse {
         caches.coarse.insert(reader.irradiance()?);
     }
@@ -224,6 +238,9 @@ pub fn load(
     let materials = world.scene.materials.len() as u32;
     for _ in 0..found.eas {
         caches.eas.insert(reader.eas(materials)?);
+    }
+    for _ in 0..found.harmonics {
+        caches.harmonics.insert(reader.harmonics(materials)?);
     }
     if reader.bytes.len() != 4 {
         return Err(CacheFileError::Format("bytes left over"));
@@ -273,5 +290,22 @@ impl<'a> Reader<'a> {
         let sources: Option<Box<[Eas]>> = sources.collect();
         let sources = sources.ok_or(CacheFileError::Format("a number is not finite"))?;
         Ok(EasRecord::restored([px, py, pz], [nx, ny, nz], radius, material, [r, g, b], sources))
+    }
+
+    fn harmonics(&mut self, materials: u32) -> Result<HarmonicsRecord, CacheFileError> {
+        let [px, py, pz, nx, ny, nz, tx, ty, tz, radius] = self.numbers()?;
+        let (material, order, count) = (self.word()?, self.word()?, self.word()?);
+        if material >= materials {
+            return Err(CacheFileError::Format("a record of no material"));
+        }
+        let bytes = self.take(count as usize * size_of::<f32>())?;
+        let numbers: Box<[f32]> =
+            bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("four bytes"))).collect();
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err(CacheFileError::Format("a number is not finite"));
+        }
+        let (position, normal, tangent) = ([px, py, pz], [nx, ny, nz], [tx, ty, tz]);
+        HarmonicsRecord::restored(position, normal, tangent, radius, material, order, numbers)
+            .ok_or(CacheFileError::Format("a record of no order"))
     }
 }

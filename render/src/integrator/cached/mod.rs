@@ -1,8 +1,10 @@
 //! Rendering with caches: direct light per pixel, indirect light from records.
 
 mod build;
+mod caches;
 mod direct;
 pub mod file;
+mod harmonics;
 mod incident;
 mod points;
 pub mod policy;
@@ -14,9 +16,12 @@ use crate::camera::RayGenerator;
 use crate::film::{Budget, Picture, Pixel, widest};
 use crate::record::Scratch;
 use crate::record::eas::Estimator;
+use crate::record::harmonics::HarmonicsRecord;
 use crate::sampler::Sampler;
+use crate::scene::Rgb;
 use crate::world::World;
-pub use build::{Builder, Caches};
+pub use build::Builder;
+pub use caches::Caches;
 use fearless_simd::Level;
 use file::Loaded;
 pub use incident::IncidentTracer;
@@ -60,6 +65,14 @@ pub struct Figures {
     pub sources: usize,
     /// Bytes of the EAS records.
     pub eas_bytes: usize,
+    /// Records of incident radiance as harmonics.
+    pub harmonics_records: usize,
+    /// Bands of all harmonic records.
+    pub bands: usize,
+    /// Bytes of the harmonic records.
+    pub harmonics_bytes: usize,
+    /// Pixels whose indirect light is negative in some channel: ringing.
+    pub negative_pixels: u64,
     /// Bytes of all records.
     pub bytes: usize,
     /// τ in force.
@@ -152,7 +165,8 @@ pub fn render_cached(
         indirect_only: settings.indirect_only,
         cone: PixelCone::new(world),
     };
-    let picture = shade(&shader, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
+    let (picture, negative_pixels) =
+        shade(&shader, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
     let figures = Figures {
         fill: filled - start,
         shade: filled.elapsed(),
@@ -160,14 +174,18 @@ pub fn render_cached(
         irradiance_records: caches.irradiance.records().len() + caches.coarse.records().len(),
         sources: caches.eas.records().iter().map(|r| r.sources.len()).sum(),
         eas_bytes: caches.eas.bytes(),
-        bytes: caches.eas.bytes() + caches.irradiance.bytes() + caches.coarse.bytes(),
+        harmonics_records: caches.harmonics.records().len(),
+        bands: caches.harmonics.records().iter().map(HarmonicsRecord::order).sum(),
+        harmonics_bytes: caches.harmonics.bytes(),
+        negative_pixels,
+        bytes: caches.bytes(),
         tolerance,
     };
     (picture, figures, caches)
 }
 
-/// The final pass: reads the caches only.
-fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> Picture {
+/// The final pass: reads the caches only. Returns the number of pixels of negative indirect light too.
+fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, u64) {
     let world = shader.world;
     let camera = RayGenerator::new(&world.scene.camera);
     let window = world.scene.camera.film.window();
@@ -224,7 +242,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
         }
     }
     // Indirect light once per surface in a pixel.
-    let rows = AtomicU64::new(0);
+    let (rows, negative) = (AtomicU64::new(0), AtomicU64::new(0));
     let traced: u64 = pixels
         .par_chunks_mut(width)
         .zip(surfaces.par_chunks(width))
@@ -241,6 +259,11 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                         let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
                         if indirect.sum().is_finite() {
                             pixel.sum.indirect = pixel.sum.indirect + indirect;
+                            // Records may ring; a pixel never shines less than not at all.
+                            if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
+                                negative.fetch_add(1, Ordering::Relaxed);
+                                pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
+                            }
                         }
                     }
                 },
@@ -250,7 +273,8 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             u64::from(rays)
         })
         .sum();
-    Picture { width: window.width, height: window.height, pixels, spp, passes: 0, rays: rays + traced }
+    let picture = Picture { width: window.width, height: window.height, pixels, spp, passes: 0, rays: rays + traced };
+    (picture, negative.into_inner())
 }
 
 /// Samples of the next pass that fit into the time, with as much set aside for indirect light as direct light of a pass of

@@ -1,6 +1,7 @@
 //! Which surfaces are cached, and through which table.
 
 use crate::record::Albedo;
+use crate::record::harmonics::{HarmonicBrdf, HarmonicsSettings, OrderChoice};
 use crate::scene::{ColorTexture, Distribution, FloatTexture, Material, Rgb, Scene, WardVariant};
 use brdf_tables::brdf::{self, Fresnel, Microfacet, Phong, Specular, Ward};
 use brdf_tables::material::Material as Recipe;
@@ -18,6 +19,11 @@ pub enum Treatment {
         lobe: usize,
         /// 0 all cached … 1 all traced.
         traced: f32,
+    },
+    /// Records of incident radiance as harmonics; directions that no order holds are path traced.
+    Harmonics {
+        /// Index into [`Policy::harmonics`].
+        brdf: usize,
     },
     /// Path traced.
     Traced,
@@ -43,6 +49,10 @@ const TRACED_WIDTH: f32 = 0.0316;
 pub struct Policy {
     /// Tables in use.
     pub lobes: Vec<Lobe>,
+    /// BRDFs as harmonics, in use.
+    pub harmonics: Vec<HarmonicBrdf>,
+    /// How incident radiance is projected, where it is.
+    pub projection: Option<HarmonicsSettings>,
     /// By material.
     treatments: Vec<Treatment>,
     /// One line for each glossy material, for people.
@@ -50,7 +60,7 @@ pub struct Policy {
 }
 
 /// Which methods may be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Allowed {
     /// Irradiance records and path tracing.
     Irradiance,
@@ -58,6 +68,8 @@ pub enum Allowed {
     Eas,
     /// EAS records where they pay.
     Auto,
+    /// Harmonics on every glossy surface and for every view that they can hold, or with an order that is given.
+    Harmonics(HarmonicsSettings),
 }
 
 impl Policy {
@@ -72,12 +84,16 @@ impl Policy {
     ) -> Result<Self, E> {
         let mut policy = Self::default();
         let mut known: Vec<(Specular, usize)> = Vec::new();
+        if let Allowed::Harmonics(settings) = allowed {
+            policy.projection = Some(settings);
+        }
         for (i, material) in scene.materials.iter().enumerate() {
             let name =
                 scene.material_names.get(i).filter(|n| !n.is_empty()).cloned().unwrap_or(format!("material {i}"));
             let treatment = match material {
                 Material::Diffuse { .. } => Treatment::Irradiance,
                 _ => match specular(material) {
+                    Some(specular) if policy.projection.is_some() => policy.harmonic(specular, &name),
                     Some(specular) if allowed != Allowed::Irradiance => {
                         let width = specular.lobe_width() as f32;
                         let traced = match allowed {
@@ -117,6 +133,37 @@ impl Policy {
             policy.treatments.push(treatment);
         }
         Ok(policy)
+    }
+
+    /// Whether harmonics hold a specular part, and for which views.
+    fn harmonic(&mut self, specular: Specular, name: &str) -> Treatment {
+        let Some(settings) = self.projection else { return Treatment::Traced };
+        let known = self.harmonics.iter().position(|b| b.specular == specular);
+        let brdf = known.unwrap_or_else(|| {
+            self.harmonics.push(HarmonicBrdf::new(specular, settings.basis, settings.order));
+            self.harmonics.len() - 1
+        });
+        let found = self.harmonics[brdf].summary();
+        let percent = |x: f32| format!("{:.2} %", 100.0 * x);
+        let note = match settings.order {
+            OrderChoice::Fixed(order) => {
+                format!("cached with harmonics of order {order}, which lose up to {}", percent(found.error))
+            }
+            OrderChoice::Error(_) if found.traced >= 1.0 => {
+                format!("path traced (harmonics of order {} lose {} or more)", found.orders.0, percent(found.best))
+            }
+            OrderChoice::Error(error) => {
+                let (low, high) = found.orders;
+                let traced = if found.traced > 0.0 {
+                    format!("; {:.0} % of the views path traced", 100.0 * found.traced)
+                } else {
+                    String::new()
+                };
+                format!("cached with harmonics of order {low} to {high}, which lose at most {}{traced}", percent(error))
+            }
+        };
+        self.notes.push(format!("{name}: {note}"));
+        if found.traced >= 1.0 { Treatment::Traced } else { Treatment::Harmonics { brdf } }
     }
 
     /// How material number `index` is treated.

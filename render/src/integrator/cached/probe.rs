@@ -86,6 +86,7 @@ impl Builder<'_> {
         let lobe = match self.treatment(point) {
             Treatment::Eas { lobe, .. } => &self.policy.lobes[lobe],
             Treatment::Irradiance => return Err(no_table("it is diffuse: an irradiance record serves it")),
+            Treatment::Harmonics { .. } => return Err(no_table("the policy holds it with harmonics")),
             Treatment::Traced => return Err(no_table("it is path traced")),
         };
         let depth = scene.integrator.max_depth;

@@ -1,7 +1,7 @@
 //! From caches to pixels (eas-2015, Algorithm 1, second stage, eq. 17): direct light by many rays per pixel, indirect light
 //! once per surface that the pixel shows.
 
-use super::build::Caches;
+use super::caches::Caches;
 use super::direct::{Left, emission, environment, receiver, sample_light};
 use super::incident::{IncidentTracer, interpolated};
 use super::points::{PixelCone, Point, Seen, see};
@@ -228,6 +228,12 @@ impl Shader<'_> {
                 let wo = at.frame.to_local(s.wo.normalize());
                 let cached = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
                 (cached, traced)
+            }
+            Treatment::Harmonics { brdf } => {
+                let frame = turned(&s.point, normal);
+                let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
+                let colors = (s.diffuse, s.specular);
+                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, colors)
             }
             Treatment::Traced => (None, 1.0),
         };

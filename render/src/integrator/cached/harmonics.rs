@@ -1,0 +1,114 @@
+//! Harmonic records in a picture: where they are made, from the same gathers as EAS, and how they are read.
+
+use super::build::{Builder, COVERED, Gather, insert_clamped, record_frame};
+use super::incident::IncidentTracer;
+use super::points::Point;
+use super::policy::Treatment;
+use super::shade::Shader;
+use crate::bsdf::Split;
+use crate::cache::{Cache, RadiusPolicy, Weight, fill};
+use crate::frame::Frame;
+use crate::record::eas::mean_radiance;
+use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
+use crate::record::{Receiver, Reflected, Scratch, View, fresnel_tint};
+use crate::scene::Rgb;
+use glam::Vec3A;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+impl Builder<'_> {
+    /// Fills the cache of incident radiance.
+    pub(super) fn fill_harmonics(
+        &self,
+        cache: &mut Cache<HarmonicsRecord>,
+        tracer: &IncidentTracer,
+        deadline: Option<Instant>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let weight = self.quality.weight;
+        let covered = |cache: &Cache<HarmonicsRecord>, i: usize| {
+            self.points[i].as_ref().is_none_or(|p| {
+                let Treatment::Harmonics { brdf } = self.treatment(p) else { return true };
+                // Directions that no order holds are path traced.
+                if self.policy.harmonics[brdf].outgoing(p.frame.to_local(p.at.wo)).traced >= 1.0 {
+                    return true;
+                }
+                let mut best = 0f32;
+                cache.interpolate(p.at.p, p.hemisphere_normal(), weight, |r, w| {
+                    if r.material == p.material.0 {
+                        best = best.max(w);
+                    }
+                });
+                best > if weight == Weight::Ward { 0.0 } else { COVERED }
+            })
+        };
+        let make = |_: &Cache<HarmonicsRecord>, i: usize| {
+            let point = self.points[i].as_ref()?;
+            let (record, rays) = self.harmonics_record(tracer, point, i)?;
+            self.rays.fetch_add(rays, Ordering::Relaxed);
+            Some((record, self.quality.eas.min_pixels * point.footprint))
+        };
+        fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
+    }
+
+    /// The record of what pixel `i` shows, and the rays it took.
+    fn harmonics_record(&self, tracer: &IncidentTracer, point: &Point, i: usize) -> Option<(HarmonicsRecord, u64)> {
+        let Treatment::Harmonics { brdf } = self.treatment(point) else { return None };
+        let brdf = &self.policy.harmonics[brdf];
+        let width = brdf.specular.lobe_width() as f32;
+        let frame = record_frame(point);
+        let (views, reach) = self.views(point, i, width);
+        let mut gather = Gather::new(tracer, point, self.seed, 4, i as u32);
+        let samples = gather.cells_uniform(&frame, &self.guided_cells(&frame, &views, width));
+        let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
+        let policy = RadiusPolicy { max_pixels: reach, ..self.quality.eas };
+        let radius = policy.radius(1.0 / nearest, point.footprint);
+        let order = order_for(brdf, &views);
+        let settings = self.policy.projection.as_ref()?;
+        let record = HarmonicsRecord::new(point.at.p, &frame, radius, point.material.0, &samples, order, settings);
+        Some((record, gather.rays))
+    }
+}
+
+/// Largest order that the views of a record read it with ("equal to the order of the BRDF", §4.2).
+fn order_for(brdf: &HarmonicBrdf, views: &[View]) -> usize {
+    let local = |v: &View| Frame::from_normal(v.normal).to_local(v.wo);
+    views.iter().map(|v| brdf.outgoing(local(v)).order).max().unwrap_or(1)
+}
+
+impl Shader<'_> {
+    /// Eqs. 12 and 13: what the records about a point reflect, as [`Split`] of the two parts with the colours given, and the
+    /// share of path tracing. Negative radiance of ringing is left as it is: it belongs to the sum.
+    #[inline(always)]
+    pub(super) fn harmonics(
+        &self,
+        brdf: usize,
+        material: u32,
+        at: &Receiver,
+        normal: Vec3A,
+        scratch: &mut Scratch,
+        (diffuse, specular): (Rgb, Rgb),
+    ) -> (Option<Split>, f32) {
+        let brdf = &self.policy.harmonics[brdf];
+        let reader = &mut scratch.harmonics;
+        let outgoing = reader.look(brdf, at);
+        if outgoing.traced >= 1.0 {
+            return (None, 1.0);
+        }
+        let (mut sum, mut weights) = (Reflected::default(), 0.0);
+        self.caches.harmonics.interpolate(at.position, normal, self.quality.weight, |record, w| {
+            if record.material == material {
+                let part = reader.read(record, at.position);
+                sum.irradiance += part.irradiance * w;
+                sum.specular += part.specular * w;
+                weights += w;
+            }
+        });
+        let mirror = Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z);
+        let cached = (weights > 1e-3).then(|| Split {
+            diffuse: diffuse * mean_radiance(sum.irradiance / weights),
+            glossy: specular * fresnel_tint(&brdf.specular, mirror, at.wo) * (sum.specular / weights),
+        });
+        (cached, outgoing.traced)
+    }
+}
