@@ -1,6 +1,5 @@
 //! Speed and size against accuracy, of every representation and solver.
 
-mod axes;
 mod bench;
 mod draw;
 mod methods;
