@@ -115,7 +115,8 @@ fn a_sweep_is_written_and_goes_on_where_it_stopped() {
     assert_eq!(std::fs::read_dir(f.path("out/references")).unwrap().count(), 1);
     let page = f.text("out/index.html");
     assert_self_contained(&page);
-    for words in ["render chart", "Which method wins", "At 0.1 s", "<svg", "data:image/png;base64,", "tau=0.2", "seed"] {
+    for words in ["render chart", "Which method wins", "At 0.1 s", "<svg", "data:image/png;base64,", "tau=0.2", "seed"]
+    {
         assert!(page.contains(words), "{words}");
     }
 
@@ -161,7 +162,9 @@ fn rows_of_peers_are_shown() {
     std::fs::write(f.path("out/chart.csv"), format!("{table}{row}\n")).unwrap();
     assert!(f.ok(SWEEP).is_empty());
     let page = f.text("out/index.html");
-    assert!(page.contains("<dt>peer-denoised</dt><dd>a peer") && page.contains("<td>peer-denoised</td><td>spp=16</td>"));
+    assert!(
+        page.contains("<dt>peer-denoised</dt><dd>a peer") && page.contains("<td>peer-denoised</td><td>spp=16</td>")
+    );
     assert!(f.text("out/figures/scene-error-time.svg").contains("peer-denoised"));
     assert!(f.text("out/chart.csv").contains("peer-denoised"));
 }
@@ -175,7 +178,9 @@ fn the_suite_judges_every_method_and_scene() {
     let said = f.ok("--suite stability failure --width 16 --spp 4 --taus 0.2 --reference-time 0.5 -o out");
     let page = f.text("out/index.html");
     assert_self_contained(&page);
-    for words in ["Stability", "ringing", "verdict", "Ours is the worst in", "<b>a</b>", "<b>dark</b>", "class=\"good\""] {
+    for words in
+        ["Stability", "ringing", "verdict", "Ours is the worst in", "<b>a</b>", "<b>dark</b>", "class=\"good\""]
+    {
         assert!(page.contains(words), "{words}");
     }
     let table = f.text("out/chart.csv");
@@ -210,7 +215,10 @@ fn mistakes_are_named() {
     std::fs::write(f.path("file"), "x").unwrap();
     f.bad(&with("-o file"), "file");
     f.ok(&with("-o out"));
-    f.bad(&with(&format!("--width 16 --reference {} -o other", reference(&f, "out"))), "32×32 pixels, but scene has 16×16");
+    f.bad(
+        &with(&format!("--width 16 --reference {} -o other", reference(&f, "out"))),
+        "32×32 pixels, but scene has 16×16",
+    );
 
     // Whatever is not a table of a chart is refused with its place, and left alone.
     let table = f.text("out/chart.csv");

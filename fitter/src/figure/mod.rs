@@ -61,10 +61,7 @@ pub struct DrawError(String);
 ///
 /// # Errors
 /// Those of `draw`, and a canvas that cannot be drawn upon.
-pub fn svg<E: From<DrawError>>(
-    size: (f64, f64),
-    draw: impl FnOnce(&Canvas) -> Result<(), E>,
-) -> Result<String, E> {
+pub fn svg<E: From<DrawError>>(size: (f64, f64), draw: impl FnOnce(&Canvas) -> Result<(), E>) -> Result<String, E> {
     let mut svg = String::new();
     let (width, height) = (px(size.0) as u32, px(size.1) as u32);
     {

@@ -109,6 +109,7 @@ pub fn run(
     row.seconds = row.fill + row.shade;
     row.spp = picture.spp;
     judge(&mut row, &picture, &subject.reference)?;
+    row.round();
     let image = picture.image();
     let [shown, difference] = pictures(plan, subject, &row);
     write_png(&shown, &image)?;
@@ -133,7 +134,6 @@ fn judge(row: &mut Row, picture: &Picture, reference: &Image) -> Result<()> {
     (row.rmse, row.rel_mse, row.bias) = (figures.rmse, figures.rel_mse, figures.bias);
     (row.max, row.flip) = (figures.max, figures.flip);
     let defects = Defects::new(&image, reference)?;
-    (row.blocks, row.worst, row.leaks, row.negative) =
-        (defects.blocks, defects.worst, defects.leaks, defects.negative);
+    (row.blocks, row.worst, row.leaks, row.negative) = (defects.blocks, defects.worst, defects.leaks, defects.negative);
     Ok(())
 }

@@ -22,8 +22,6 @@ pub struct Method {
     pub about: &'static str,
     /// What renders.
     pub engine: Engine,
-    /// What a record is made of; empty where the method keeps none that a number describes.
-    pub parts: &'static str,
     /// Whether it is this project's own.
     pub ours: bool,
     /// Whether a sweep runs it unasked.
@@ -32,12 +30,12 @@ pub struct Method {
 
 /// All methods, in the order in which they are run and drawn.
 pub const METHODS: &[Method] = &[
-    Method { name: "path", about: "path tracing", engine: Engine::Traced, parts: "", ours: false, swept: true },
+    Method { name: "path", about: "path tracing", engine: Engine::Traced, ours: false, swept: true },
     Method {
         name: "irradiance",
         about: "irradiance records on diffuse surfaces, path tracing of glossy ones",
         engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved),
-        parts: "",
+
         ours: false,
         swept: true,
     },
@@ -45,7 +43,6 @@ pub const METHODS: &[Method] = &[
         name: "eas-paper",
         about: "EAS moved and summed as published in 2015",
         engine: Engine::Cached(|_| Allowed::Eas, Estimator::Paper),
-        parts: "EAS",
         ours: false,
         swept: true,
     },
@@ -53,7 +50,6 @@ pub const METHODS: &[Method] = &[
         name: "eas",
         about: "EAS with our estimator",
         engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved),
-        parts: "EAS",
         ours: true,
         swept: true,
     },
@@ -61,7 +57,6 @@ pub const METHODS: &[Method] = &[
         name: "auto",
         about: "our EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest",
         engine: Engine::Cached(|_| Allowed::Auto, Estimator::Improved),
-        parts: "EAS",
         ours: true,
         swept: false,
     },

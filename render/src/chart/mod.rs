@@ -1,8 +1,8 @@
 //! Speed against accuracy of all methods: a sweep, its table, its figures, its page.
 
 mod cell;
-mod machine;
 mod figures;
+mod machine;
 pub mod method;
 mod page;
 pub mod plan;
@@ -34,9 +34,7 @@ pub struct Results<'a> {
 impl Results<'_> {
     /// Rows of a scene as it is now.
     pub fn of<'a>(&'a self, subject: &'a Subject) -> impl Iterator<Item = &'a Row> + Clone {
-        self.rows
-            .iter()
-            .filter(|r| r.scene == subject.name && r.digest == subject.digest && r.seed == self.plan.seed)
+        self.rows.iter().filter(|r| r.scene == subject.name && r.digest == subject.digest && r.seed == self.plan.seed)
     }
 }
 

@@ -39,6 +39,13 @@ pub fn plain(x: &f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// The label of a tick: only 1, 2 and 5 times a power of ten have room for one.
+fn tick(x: &f64) -> String {
+    let digit = x / 10f64.powf(x.log10().floor());
+    let round = [1.0, 2.0, 5.0, 10.0].iter().any(|d| (digit - d).abs() < 1e-6);
+    if round { plain(x) } else { String::new() }
+}
+
 /// Draws the curves.
 ///
 /// # Errors
@@ -67,8 +74,8 @@ pub fn plot(axes: &Axes, series: &[Series]) -> Result<String, DrawError> {
             .axis_desc_style(text(12.0, &INK, HPos::Center))
             .x_label_style(text(11.0, &INK, HPos::Center))
             .y_label_style(text(11.0, &INK, HPos::Right))
-            .x_label_formatter(&plain)
-            .y_label_formatter(&plain)
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
             .bold_line_style(stroke(PALE, 1.0))
             .light_line_style(stroke(PALE.mix(0.4), 0.6))
             .axis_style(stroke(INK, 1.0))
@@ -77,8 +84,13 @@ pub fn plot(axes: &Axes, series: &[Series]) -> Result<String, DrawError> {
             .map_err(failed)?;
         if let Some((y, name)) = axes.floor {
             let grey = stroke(INK.mix(0.5), 1.2);
-            plot.draw_series(DashedLineSeries::new([x_range.start, x_range.end].map(|x| (x, y)), px(5.0) as u32, px(4.0) as u32, grey))
-                .map_err(failed)?;
+            plot.draw_series(DashedLineSeries::new(
+                [x_range.start, x_range.end].map(|x| (x, y)),
+                px(5.0) as u32,
+                px(4.0) as u32,
+                grey,
+            ))
+            .map_err(failed)?;
             let (left, line) = plot.backend_coord(&(x_range.start, y));
             let corner = area.get_base_pixel();
             let place = (left - corner.0 + px(6.0), line - corner.1 - px(8.0));
@@ -126,16 +138,13 @@ mod tests {
     fn numbers_are_short() {
         let plain = [0.5, 1.0, 0.00012, 123456.0, 0.0299999, 1000.0].map(|x| plain(&x));
         assert_eq!(plain, ["0.5", "1", "0.00012", "123000", "0.03", "1000"]);
+        assert_eq!([0.02, 5000.0, 0.03, 1e-4].map(|x| tick(&x)), ["0.02", "5000", "", "0.0001"]);
     }
 
     #[test]
     fn a_figure_holds_every_curve() {
-        let series = |name: &str| Series {
-            name: name.into(),
-            color: INK,
-            points: vec![(1.0, 0.1), (10.0, 0.01)],
-            joined: true,
-        };
+        let series =
+            |name: &str| Series { name: name.into(), color: INK, points: vec![(1.0, 0.1), (10.0, 0.01)], joined: true };
         let axes = Axes { x: "seconds", y: "error", floor: Some((0.001, "noise")) };
         let svg = plot(&axes, &[series("one"), series("two")]).unwrap();
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"));

@@ -69,6 +69,31 @@ impl Row {
         (&self.scene, &self.digest, &self.method, &self.setting, self.seed)
     }
 
+    /// Leaves six digits of every measured number: more say nothing.
+    pub fn round(&mut self) {
+        let Self { fill, shade, seconds, tau, size, bytes_per_record, rmse, rel_mse, bias, .. } = self;
+        let Self { max, flip, blocks, worst, leaks, negative, .. } = self;
+        for x in [
+            fill,
+            shade,
+            seconds,
+            tau,
+            size,
+            bytes_per_record,
+            rmse,
+            rel_mse,
+            bias,
+            max,
+            flip,
+            blocks,
+            worst,
+            leaks,
+            negative,
+        ] {
+            *x = format!("{x:.5e}").parse().unwrap_or(*x);
+        }
+    }
+
     /// Refuses what no run of this program or a peer's script writes.
     fn check(&self) -> Result<()> {
         for (column, name) in [("scene", &self.scene), ("method", &self.method), ("setting", &self.setting)] {

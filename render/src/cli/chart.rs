@@ -133,8 +133,7 @@ fn plan(args: Args) -> Result<Plan> {
         ensure!(methods[..i].iter().all(|m| m.name != method.name), "--methods: {} is there twice", method.name);
     }
     let times = args.times.unwrap_or_else(|| if stability { Vec::new() } else { vec![0.5, 1.0, 2.0, 4.0] });
-    let taus =
-        args.taus.unwrap_or_else(|| if stability { vec![0.02] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
+    let taus = args.taus.unwrap_or_else(|| if stability { vec![0.02] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
     ensure!(!(stability && taus.len() > 1), "--taus: the suite compares the methods at one quality");
     Ok(Plan {
         scenes,

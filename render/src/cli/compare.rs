@@ -90,7 +90,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     let z_test = if args.z_test { Some(judge(args, &image, &reference)?) } else { None };
     let text = if args.json {
-        serde_json::to_string(&Report { figures, defects: Defects::new(&image, &reference).with_context(place)?, z_test })? + "\n"
+        serde_json::to_string(&Report {
+            figures,
+            defects: Defects::new(&image, &reference).with_context(place)?,
+            z_test,
+        })? + "\n"
     } else {
         let Comparison { rmse, rel_mse, bias, max, flip } = figures;
         format!(

@@ -33,11 +33,7 @@ pub fn cut_svg(made: &Compressed, exposure: f32) -> Result<String, DrawError> {
     svg((SIZE, SIZE), |canvas| {
         // The base disk: cells without samples stay grey.
         canvas
-            .draw(&Circle::new(
-                at(Vec2::ZERO),
-                px(0.485 * SIZE),
-                RGBColor(128, 128, 128).filled(),
-            ))
+            .draw(&Circle::new(at(Vec2::ZERO), px(0.485 * SIZE), RGBColor(128, 128, 128).filled()))
             .map_err(failed)?;
         for &i in &made.cut.nodes {
             // The samples of a small cell rarely cover exactly its solid angle: theirs counts.
@@ -58,8 +54,7 @@ pub fn cut_svg(made: &Compressed, exposure: f32) -> Result<String, DrawError> {
         }
         for &i in &made.cut.nodes {
             let d = nodes[i].direction;
-            let dot =
-                Circle::new(at(Vec2::new(d.x, d.y)), px(1.3), RGBColor(40, 140, 255).filled());
+            let dot = Circle::new(at(Vec2::new(d.x, d.y)), px(1.3), RGBColor(40, 140, 255).filled());
             canvas.draw(&dot).map_err(failed)?;
         }
         Ok(())
@@ -107,8 +102,7 @@ pub fn error_svg(paper: &[Measured], improved: &[Measured], guided: Measured) ->
                 .map_err(failed)?
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + px(20.0), y)], stroke(color, 1.8)));
-            plot.draw_series(curve.iter().map(|m| Circle::new(point(m), px(3.0), color.filled())))
-                .map_err(failed)?;
+            plot.draw_series(curve.iter().map(|m| Circle::new(point(m), px(3.0), color.filled()))).map_err(failed)?;
         }
         plot.draw_series([TriangleMarker::new(point(&guided), px(6.0), GUIDED.filled())])
             .map_err(failed)?

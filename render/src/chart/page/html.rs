@@ -34,7 +34,7 @@ const STYLE: &str = "
 body { font: 16px/1.5 Helvetica, Arial, sans-serif; color: #282c34; max-width: 1240px; margin: 2em auto; padding: 0 1.5em }
 h1 { font-size: 1.7em } h2 { font-size: 1.35em; margin-top: 2em; border-bottom: 1px solid #d6dae0 } h3 { font-size: 1.1em }
 p, li { max-width: 60em }
-code { background: #f2f4f7; padding: .1em .3em; overflow-wrap: anywhere }
+code { background: #f2f4f7; padding: .1em .3em; overflow-wrap: break-word }
 dl { display: grid; grid-template-columns: max-content auto; gap: .2em 1.2em } dt { color: #667 } dd { margin: 0 }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(480px, 1fr)); gap: 1.5em }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(190px, 1fr)); gap: 1em }

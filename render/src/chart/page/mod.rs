@@ -91,7 +91,7 @@ fn scene(results: &Results, subject: &Subject, folder: &Path) -> Result<String> 
         for figure in figures(subject, rows.iter().copied())? {
             write_whole(&folder.join(format!("{}-{}.svg", subject.name, figure.name)), figure.svg.as_bytes())?;
             let caption = escape(figure.caption);
-            let _ = write!(text, "<figure>{}<figcaption>{caption}</figcaption></figure>\n", figure.svg.trim());
+            let _ = writeln!(text, "<figure>{}<figcaption>{caption}</figcaption></figure>", figure.svg.trim());
         }
         text += "</div>\n";
     }
@@ -109,7 +109,8 @@ fn pictures(results: &Results, subject: &Subject, rows: &[&Row]) -> Result<Strin
         None => String::new(),
     };
     if budget.is_some() {
-        text += "<p>Below each picture its difference from the reference, as eas-2015 shows them in Figs. 10 and 11.</p>\n";
+        text +=
+            "<p>Below each picture its difference from the reference, as eas-2015 shows them in Figs. 10 and 11.</p>\n";
     }
     let reference = plan.output.join("pictures").join(format!("{}-{}-reference.png", subject.name, subject.digest));
     write_png(&reference, &subject.reference)?;
@@ -134,9 +135,9 @@ fn pictures(results: &Results, subject: &Subject, rows: &[&Row]) -> Result<Strin
         }
         let [shown, difference] = files.map(|f| read(&f));
         let about = format!("{name}, {:.2} s, rel_mse {}", row.seconds, plain(&row.rel_mse));
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "<figure>{}{}<figcaption>{}</figcaption></figure>\n",
+            "<figure>{}{}<figcaption>{}</figcaption></figure>",
             picture(&shown?, &about),
             picture(&difference?, &format!("difference of {about}")),
             escape(&about)
@@ -168,8 +169,23 @@ fn runs(results: &Results) -> String {
         }
     }
     let head = [
-        "scene", "method", "setting", "spp", "fill s", "shade s", "total s", "records", "EAS / order", "bytes per record",
-        "KB in all", "RMSE", "rel_mse", "max", "flip", "bias", "negative",
+        "scene",
+        "method",
+        "setting",
+        "spp",
+        "fill s",
+        "shade s",
+        "total s",
+        "records",
+        "EAS / order",
+        "bytes per record",
+        "KB in all",
+        "RMSE",
+        "rel_mse",
+        "max",
+        "flip",
+        "bias",
+        "negative",
     ];
     format!("<h2 id=\"runs\">All runs</h2>\n{}", table(&head, &lines))
 }

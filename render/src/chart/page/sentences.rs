@@ -72,7 +72,9 @@ fn time_of_equal_error(rows: &[&Row]) -> Option<String> {
         }
         let name = escape(method);
         parts.push(match reach(&curve, level) {
-            Reach::Within(x) => format!("{name} no more than {} s ({:.1} times faster or better)", plain(&x), slowest / x),
+            Reach::Within(x) => {
+                format!("{name} no more than {} s ({:.1} times faster or better)", plain(&x), slowest / x)
+            }
             Reach::At(x) if x <= slowest => format!("{name} {} s ({:.1} times faster)", plain(&x), slowest / x),
             Reach::At(x) => format!("{name} {} s ({:.1} times slower)", plain(&x), x / slowest),
             Reach::Never => format!("{name} never in its runs"),
@@ -113,14 +115,7 @@ mod tests {
     use super::*;
 
     fn row(method: &str, setting: &str, seconds: f64, rel_mse: f64, bytes_per_record: f64) -> Row {
-        Row {
-            method: method.into(),
-            setting: setting.into(),
-            seconds,
-            rel_mse,
-            bytes_per_record,
-            ..Row::default()
-        }
+        Row { method: method.into(), setting: setting.into(), seconds, rel_mse, bytes_per_record, ..Row::default() }
     }
 
     #[test]

@@ -94,7 +94,15 @@ pub fn section(results: &Results) -> String {
         scenes => format!("Ours is the worst in: {}.", escape(&scenes.join(", "))),
     };
     let head = [
-        "scene", "method", "block error", "rel_mse", "worst pixel", "leaks", "ringing", "seconds", "verdict",
+        "scene",
+        "method",
+        "block error",
+        "rel_mse",
+        "worst pixel",
+        "leaks",
+        "ringing",
+        "seconds",
+        "verdict",
         "largest block error",
     ];
     format!(
