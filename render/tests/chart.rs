@@ -167,6 +167,17 @@ fn rows_of_peers_are_shown() {
     );
     assert!(f.text("out/figures/scene-error-time.svg").contains("peer-denoised"));
     assert!(f.text("out/chart.csv").contains("peer-denoised"));
+
+    // Rows of harmonics bring Table 1: here they are those of EAS under another name, so that all ratios are 1.
+    assert!(!page.contains("id=\"table1\""));
+    let table = f.text("out/chart.csv");
+    let row = table.lines().find(|l| l.contains(",eas,tau=0.2,")).unwrap().replace(",eas,", ",sh,");
+    std::fs::write(f.path("out/chart.csv"), format!("{table}{row}\n")).unwrap();
+    f.ok(SWEEP);
+    let page = f.text("out/index.html");
+    for words in ["id=\"table1\"", "EAS, equal error", "EAS, equal memory", "Matpreview", "their RMSE is"] {
+        assert!(page.contains(words), "{words}");
+    }
 }
 
 #[test]

@@ -5,9 +5,8 @@ Usage: radiance_ambient.py RENDER [SPP], RENDER the path of the render program, 
 picture [2048], which our path tracer draws.
 
 Both get the geometry of tests/scenes/cornell, the same colours and light, and as many bounces. Radiance runs at several
-accuracies; for the best error it reaches, and for each of its runs, the least time in which `render image --method
-irradiance --time T` comes to that error is sought. Seconds of Radiance are user time of rpict, those of ours wall-clock
-times of fill and shade with both programs on one thread.
+accuracies; for each of its errors the least time in which `render image --method irradiance --time T` comes to it is
+sought. Seconds are user time of the whole processes, on one thread each, loading and writing included.
 """
 
 import json
@@ -97,11 +96,11 @@ def radiance(folder, settings, environment):
     ambient = ["-ab", str(DEPTH - 2), "-ad", str(divisions), "-as", str(supersamples), "-aa", str(accuracy),
                "-ar", str(resolution), "-aw", "0"]
     octree, cache = os.path.join(folder, "box.oct"), os.path.join(folder, f"{divisions}.amb")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    before = user_seconds()
     # A coarse picture fills the cache, so that the one that counts does not see it growing.
     run([tool("rpict"), *view, "-x", "64", "-y", "64", "-af", cache, *direct, *ambient, octree], env=environment)
     large = run([tool("rpict"), *view, *size, "-af", cache, *direct, *ambient, octree], env=environment)
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    seconds = user_seconds() - before
     path = os.path.join(folder, f"{divisions}.hdr")
     with open(path, "wb") as file:
         file.write(run([tool("pfilt"), "-1", "-e", "1", "-x", "/4", "-y", "/4"], input=large, env=environment))
@@ -112,13 +111,15 @@ def rel_mse(program, image, truth):
     return json.loads(run([program, "compare", image, truth, "--json"]))["rel_mse"]
 
 
+def user_seconds():
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+
+
 def ours(program, folder, scene, truth, time):
-    image, stats = os.path.join(folder, "ours.exr"), os.path.join(folder, "stats.json")
+    image, before = os.path.join(folder, "ours.exr"), user_seconds()
     run([program, "image", scene, "--method", "irradiance", "--time", str(time), "--threads", "1", "-o", image,
-         "--stats", stats, "--tables", folder])
-    with open(stats) as file:
-        seconds = json.load(file)["seconds"]
-    return seconds["fill"] + seconds["shade"], rel_mse(program, image, truth)
+         "--tables", folder])
+    return user_seconds() - before, rel_mse(program, image, truth)
 
 
 def main():

@@ -1,5 +1,6 @@
 //! Speed and size against accuracy, of every representation and solver.
 
+mod axes;
 mod bench;
 mod draw;
 mod methods;

@@ -71,6 +71,11 @@ pub fn is_budget(row: &Row) -> bool {
     row.setting.starts_with("time=")
 }
 
+/// The number that a setting varies; 0 for none.
+fn knob(row: &Row) -> f64 {
+    row.setting.split_once('=').and_then(|(_, x)| x.parse().ok()).filter(|x: &f64| !x.is_nan()).unwrap_or(0.0)
+}
+
 /// Methods of some rows: known ones in their order, then those of peers by name.
 pub fn methods<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a str> {
     let place = |name: &str| METHODS.iter().position(|m| m.name == name).unwrap_or(METHODS.len());
@@ -102,9 +107,10 @@ pub fn figures<'a>(subject: &Subject, rows: impl Iterator<Item = &'a Row> + Clon
             // A method without runs of the kind wanted shows what it has.
             let some = own().any(|r| is_budget(r) == kind.budgets);
             let shown = own().filter(|r| !some || is_budget(r) == kind.budgets);
-            let mut points: Vec<_> = shown.map(|r| ((kind.x.1)(r), (kind.y.1)(r))).collect();
+            let mut shown: Vec<&Row> = shown.collect();
+            shown.sort_by(|a, b| knob(a).total_cmp(&knob(b)));
+            let mut points: Vec<_> = shown.into_iter().map(|r| ((kind.x.1)(r), (kind.y.1)(r))).collect();
             points.retain(|(x, y)| *x > 0.0 && *y > 0.0);
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
             if !points.is_empty() {
                 let joined = !foreign.contains(name);
                 series.push(Series { name: (*name).to_owned(), color: color(name, &foreign), points, joined });

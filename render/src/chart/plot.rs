@@ -1,6 +1,7 @@
 //! Curves over two logarithmic axes, as SVG.
 
-use fitter::figure::{Canvas, DrawError, INK, PALE, at, axes, failed, px, stroke, svg, text};
+use core::ops::Range;
+use fitter::figure::{Canvas, DrawError, INK, PALE, at, failed, px, stroke, svg, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
@@ -39,11 +40,24 @@ pub fn plain(x: &f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The label of a tick: only 1, 2 and 5 times a power of ten have room for one.
-fn tick(x: &f64) -> String {
-    let digit = x / 10f64.powf(x.log10().floor());
-    let round = [1.0, 2.0, 5.0, 10.0].iter().any(|d| (digit - d).abs() < 1e-6);
-    if round { plain(x) } else { String::new() }
+/// Where an axis has lines: 1, 2 and 5 times powers of ten, over short axes 3 and 7 times too, over long ones only powers.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let digits: &[f64] = match (range.end / range.start).log10() {
+        decades if decades < 1.3 => &[1.0, 2.0, 3.0, 5.0, 7.0],
+        decades if decades < 3.5 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let all = powers.flat_map(|p| digits.iter().map(move |d| d * 10f64.powi(p)));
+    all.filter(|x| range.contains(x)).collect()
+}
+
+/// The values with a margin, over half a decade at least.
+fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = values.fold((f64::INFINITY, 0f64), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) = if low > high { (1.0, 1.0) } else { (low / 1.25, 1.25 * high) };
+    let more = (3.0 * low / high).max(1.0).sqrt();
+    low / more..high * more
 }
 
 /// Draws the curves.
@@ -53,7 +67,7 @@ fn tick(x: &f64) -> String {
 pub fn plot(axes: &Axes, series: &[Series]) -> Result<String, DrawError> {
     let all = || series.iter().flat_map(|s| &s.points);
     let ordinates = all().map(|p| p.1).chain(axes.floor.map(|f| f.0));
-    let (x_range, y_range) = (axes::range(all().map(|p| p.0)), axes::range(ordinates));
+    let (x_range, y_range) = (range(all().map(|p| p.0)), range(ordinates));
     let places = places(series);
     let legend = places.last().map_or(0.0, |p| p.1 + 0.5 * LINE) + 4.0;
     svg((SIZE.0, SIZE.1 + legend), |canvas| {
@@ -66,34 +80,37 @@ pub fn plot(axes: &Axes, series: &[Series]) -> Result<String, DrawError> {
             .margin_right(px(20.0))
             .x_label_area_size(px(44.0))
             .y_label_area_size(px(76.0))
-            .build_cartesian_2d(x_range.clone().log_scale(), y_range.log_scale())
+            .build_cartesian_2d(x_range.clone().log_scale(), y_range.clone().log_scale())
             .map_err(failed)?;
         plot.configure_mesh()
+            .disable_mesh()
             .x_desc(axes.x)
             .y_desc(axes.y)
             .axis_desc_style(text(12.0, &INK, HPos::Center))
-            .x_label_style(text(11.0, &INK, HPos::Center))
-            .y_label_style(text(11.0, &INK, HPos::Right))
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
-            .bold_line_style(stroke(PALE, 1.0))
-            .light_line_style(stroke(PALE.mix(0.4), 0.6))
+            .x_labels(0)
+            .y_labels(0)
             .axis_style(stroke(INK, 1.0))
-            .set_all_tick_mark_size(px(4.0))
             .draw()
             .map_err(failed)?;
+        // plotters draws lines and labels of a power of ten several times: ours are drawn once.
+        let corner = area.get_base_pixel();
+        let (x_ticks, y_ticks) = (ticks(&x_range), ticks(&y_range));
+        let lines = (x_ticks.iter().map(|x| [(*x, y_range.start), (*x, y_range.end)]))
+            .chain(y_ticks.iter().map(|y| [(x_range.start, *y), (x_range.end, *y)]));
+        plot.draw_series(lines.map(|l| PathElement::new(l, stroke(PALE, 0.8)))).map_err(failed)?;
+        let labels = (x_ticks.iter().map(|x| (*x, (*x, y_range.start), (0.0, 13.0), HPos::Center)))
+            .chain(y_ticks.iter().map(|y| (*y, (x_range.start, *y), (-7.0, 0.0), HPos::Right)));
+        for (value, place, (right, down), side) in labels {
+            let (x, y) = plot.backend_coord(&place);
+            let place = (x - corner.0 + px(right), y - corner.1 + px(down));
+            area.draw(&Text::new(plain(&value), place, text(11.0, &INK, side))).map_err(failed)?;
+        }
         if let Some((y, name)) = axes.floor {
-            let grey = stroke(INK.mix(0.5), 1.2);
-            plot.draw_series(DashedLineSeries::new(
-                [x_range.start, x_range.end].map(|x| (x, y)),
-                px(5.0) as u32,
-                px(4.0) as u32,
-                grey,
-            ))
-            .map_err(failed)?;
-            let (left, line) = plot.backend_coord(&(x_range.start, y));
-            let corner = area.get_base_pixel();
-            let place = (left - corner.0 + px(6.0), line - corner.1 - px(8.0));
+            let line = [x_range.start, x_range.end].map(|x| (x, y));
+            let (dash, gap) = (px(5.0) as u32, px(4.0) as u32);
+            plot.draw_series(DashedLineSeries::new(line, dash, gap, stroke(INK.mix(0.5), 1.2))).map_err(failed)?;
+            let (left, height) = plot.backend_coord(&(x_range.start, y));
+            let place = (left - corner.0 + px(6.0), height - corner.1 - px(8.0));
             area.draw(&Text::new(name, place, text(10.5, &INK, HPos::Left))).map_err(failed)?;
         }
         for s in series {
@@ -138,7 +155,16 @@ mod tests {
     fn numbers_are_short() {
         let plain = [0.5, 1.0, 0.00012, 123456.0, 0.0299999, 1000.0].map(|x| plain(&x));
         assert_eq!(plain, ["0.5", "1", "0.00012", "123000", "0.03", "1000"]);
-        assert_eq!([0.02, 5000.0, 0.03, 1e-4].map(|x| tick(&x)), ["0.02", "5000", "", "0.0001"]);
+    }
+
+    #[test]
+    fn axes_reach_over_all_and_have_few_lines() {
+        let narrow = range([2.0, 2.1].into_iter());
+        assert!(narrow.contains(&2.0) && narrow.contains(&2.1) && narrow.end / narrow.start > 2.9, "{narrow:?}");
+        assert!(range([].into_iter()).contains(&1.0));
+        assert_eq!(ticks(&(0.9..11.0)), [1.0, 2.0, 3.0, 5.0, 7.0, 10.0]);
+        assert_eq!(ticks(&(0.9..60.0)), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
+        assert_eq!(ticks(&(0.9..11_000.0)).len(), 5);
     }
 
     #[test]

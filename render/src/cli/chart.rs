@@ -55,13 +55,13 @@ pub struct Args {
     /// Budgets in seconds, kept by every method [default: 0.5,1,2,4; none for a suite].
     #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', value_parser = parse_time)]
     times: Option<Vec<f64>>,
-    /// Qualities of the cached methods, the paper's tau [default: 0.16,0.08,0.04,0.02,0.01; 0.02 for a suite].
+    /// Qualities of the cached methods, the paper's tau [default: 0.16,0.08,0.04,0.02,0.01; 0.04 for a suite].
     #[arg(long, value_name = "TAU,…", value_delimiter = ',', value_parser = parse_tau)]
     taus: Option<Vec<f32>>,
     /// Samples per pixel of the runs that have no time budget.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     spp: u32,
-    /// Width of the film in pixels; keeps the aspect [default: the scene's; 96 for a suite].
+    /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIZE)))]
     width: Option<u32>,
     /// Set a parameter of the scene files.
@@ -133,7 +133,7 @@ fn plan(args: Args) -> Result<Plan> {
         ensure!(methods[..i].iter().all(|m| m.name != method.name), "--methods: {} is there twice", method.name);
     }
     let times = args.times.unwrap_or_else(|| if stability { Vec::new() } else { vec![0.5, 1.0, 2.0, 4.0] });
-    let taus = args.taus.unwrap_or_else(|| if stability { vec![0.02] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
+    let taus = args.taus.unwrap_or_else(|| if stability { vec![0.04] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
     ensure!(!(stability && taus.len() > 1), "--taus: the suite compares the methods at one quality");
     Ok(Plan {
         scenes,
@@ -144,7 +144,7 @@ fn plan(args: Args) -> Result<Plan> {
         taus,
         spp: args.spp,
         stability,
-        width: args.width.or(stability.then_some(96)),
+        width: args.width.or(stability.then_some(64)),
         defines: args.define,
         tables: args.tables,
         seed: args.seed,

@@ -105,7 +105,7 @@ fn pictures(results: &Results, subject: &Subject, rows: &[&Row]) -> Result<Strin
     times.sort_by(f64::total_cmp);
     let budget = times.get(times.len() / 2).or(times.last());
     let mut text = match budget {
-        Some(t) => format!("<h3>Pictures at {t} s</h3>\n"),
+        Some(t) => format!("<h3>Pictures at about {t} s</h3>\n"),
         None => String::new(),
     };
     if budget.is_some() {

@@ -1,7 +1,5 @@
 //! Drawing in SVG: sizes in CSS pixels, text styles, colours.
 
-pub mod axes;
-
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
