@@ -1,6 +1,5 @@
 //! Drawing in SVG: sizes in CSS pixels, text styles, colours.
 
-use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -51,8 +50,16 @@ pub fn text<'a>(size: f64, color: &RGBColor, side: HPos) -> TextStyle<'a> {
     ("Helvetica, Arial, sans-serif", size).into_font().color(color).pos(Pos::new(side, VPos::Center))
 }
 
+/// A drawing failed: what plotters says.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot draw: {0}")]
+pub struct DrawError(String);
+
 /// An SVG of the given size in CSS pixels, painted white and drawn upon.
-pub fn svg(size: (f64, f64), draw: impl FnOnce(&Canvas) -> anyhow::Result<()>) -> anyhow::Result<String> {
+///
+/// # Errors
+/// Those of `draw`, and a canvas that cannot be drawn upon.
+pub fn svg<E: From<DrawError>>(size: (f64, f64), draw: impl FnOnce(&Canvas) -> Result<(), E>) -> Result<String, E> {
     let mut svg = String::new();
     let (width, height) = (px(size.0) as u32, px(size.1) as u32);
     {
@@ -68,6 +75,6 @@ pub fn svg(size: (f64, f64), draw: impl FnOnce(&Canvas) -> anyhow::Result<()>) -
 }
 
 /// What plotters reports, without its borrowed parts.
-pub fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> anyhow::Error {
-    anyhow!("cannot draw: {error}")
+pub fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> DrawError {
+    DrawError(error.to_string())
 }

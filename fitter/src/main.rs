@@ -2,7 +2,6 @@
 
 mod chart;
 mod cli;
-mod figure;
 mod plot;
 mod text;
 

@@ -1,5 +1,6 @@
 //! The command `render`.
 
+mod chart;
 mod cli;
 
 use std::process::ExitCode;

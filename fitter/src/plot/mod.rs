@@ -2,7 +2,6 @@
 
 mod panel;
 
-use crate::figure::{INK, at, failed, svg, text};
 use crate::text::shortened;
 use brdf_tables::cap::Cap;
 use brdf_tables::errors::Errors;
@@ -10,6 +9,7 @@ use brdf_tables::quadrature::mean_brdf;
 use brdf_tables::table::Table;
 use core::f64::consts::FRAC_PI_2;
 use fitter::check::errors_of;
+use fitter::figure::{INK, at, failed, svg, text};
 use glam::DVec3;
 use panel::{HEIGHT, WIDTH};
 use plotters::prelude::*;

@@ -1,10 +1,10 @@
 //! One polar panel: radius is F, angle is the zenith angle of wo, light comes from the left.
 
 use super::Cut;
-use crate::figure::{Canvas, INK, PALE, PALETTE, at, failed, px, stroke, text};
 use crate::text::{multiple, percent};
 use brdf_tables::errors::Errors;
 use core::f64::consts::FRAC_PI_2;
+use fitter::figure::{Canvas, INK, PALE, PALETTE, at, failed, px, stroke, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
@@ -86,7 +86,7 @@ pub fn draw(canvas: &Canvas, (left, top): (f64, f64), cut: &Cut) -> anyhow::Resu
         .map(|(n, e)| format!("{n} {} %", percent(f64::from(e))))
         .collect();
     label(errors[..3].join(" · "), at(polar.x, polar.y + 58.0), 12.0)?;
-    label(errors[3..].join(" · "), at(polar.x, polar.y + 76.0), 12.0)
+    Ok(label(errors[3..].join(" · "), at(polar.x, polar.y + 76.0), 12.0)?)
 }
 
 /// What the colours mean, across a figure of `width` px.

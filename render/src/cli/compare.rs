@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use render::image::{Image, read, read_noise, write_png};
+use render::metric::defects::Defects;
 use render::metric::{Comparison, compare, false_color};
 use render::z_test::{ZScores, ZTest, z_test};
 use std::io::Write;
@@ -39,6 +40,8 @@ pub struct Args {
 struct Report {
     #[serde(flatten)]
     figures: Comparison,
+    #[serde(flatten)]
+    defects: Defects,
     #[serde(skip_serializing_if = "Option::is_none")]
     z_test: Option<ZTest>,
 }
@@ -88,7 +91,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     let z_test = if args.z_test { Some(judge(args, &image, &reference)?) } else { None };
     let text = if args.json {
-        serde_json::to_string(&Report { figures, z_test })? + "\n"
+        serde_json::to_string(&Report {
+            figures,
+            defects: Defects::new(&image, &reference).with_context(place)?,
+            z_test,
+        })? + "\n"
     } else {
         let Comparison { rmse, rel_mse, bias, max, flip } = figures;
         format!(

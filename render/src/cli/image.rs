@@ -345,7 +345,7 @@ fn change_view(camera: &mut Camera, args: &Args) {
 }
 
 /// Sets the size of the film; one number alone keeps the aspect.
-pub(super) fn resize(camera: &mut Camera, width: Option<u32>, height: Option<u32>) {
+pub(crate) fn resize(camera: &mut Camera, width: Option<u32>, height: Option<u32>) {
     let film = &mut camera.film;
     let scaled = |x: u32, to: u32, from: u32| {
         ((u64::from(x) * u64::from(to) + u64::from(from) / 2) / u64::from(from)).clamp(1, u64::from(MAX_SIZE)) as u32

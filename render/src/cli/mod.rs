@@ -1,11 +1,13 @@
 //! The command line: arguments, and one file per command.
 
+mod chart;
 mod compare;
 mod image;
 mod probe;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+pub(crate) use image::resize;
 use std::process::ExitCode;
 
 /// Renders glossy global illumination.
@@ -24,6 +26,8 @@ enum Command {
     Probe(probe::Args),
     /// Measure how far a picture is from its reference.
     Compare(compare::Args),
+    /// Chart speed against accuracy of all methods: a table, figures, and one page to read.
+    Chart(chart::Args),
 }
 
 /// Runs the command; 0 done, 1 a check failed, 2 bad input or usage.
@@ -32,6 +36,7 @@ pub fn run() -> ExitCode {
         Command::Image(args) => image::run(&args),
         Command::Probe(args) => probe::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Chart(args) => chart::run(args),
     };
     result.unwrap_or_else(|error| {
         eprintln!("render: {error:#}");

@@ -3,47 +3,15 @@
 use super::{Compressed, Measured};
 use crate::image::to_srgb;
 use crate::scene::Rgb;
+use fitter::figure::{DrawError, PALETTE, at, failed, px, stroke, svg, text};
 use glam::Vec2;
-use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::HPos;
 
-/// Plotters rounds to whole units of its canvas, so that one is this much finer than the figure.
-const SCALE: u32 = 8;
-
-/// Colours of the curves (Okabe and Ito 2008).
-const PAPER: RGBColor = RGBColor(213, 94, 0);
-const IMPROVED: RGBColor = RGBColor(0, 114, 178);
-const GUIDED: RGBColor = RGBColor(0, 158, 115);
-
-/// A drawing failed: what plotters says.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot draw: {0}")]
-pub struct DrawError(String);
-
-fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> DrawError {
-    DrawError(error.to_string())
-}
-
-type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-/// An SVG of a size in CSS pixels on white.
-fn svg(size: (u32, u32), draw: impl FnOnce(&Canvas) -> Result<(), DrawError>) -> Result<String, DrawError> {
-    let mut svg = String::new();
-    let (width, height) = (size.0 * SCALE, size.1 * SCALE);
-    {
-        let canvas = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
-        canvas.fill(&WHITE).map_err(failed)?;
-        draw(&canvas)?;
-        canvas.present().map_err(failed)?;
-    }
-    let (fine, shown) =
-        (format!("width=\"{width}\" height=\"{height}\""), format!("width=\"{}\" height=\"{}\"", size.0, size.1));
-    Ok(svg.replacen(&fine, &shown, 1))
-}
-
-fn stroke(color: impl Color, width: f64) -> ShapeStyle {
-    ShapeStyle { color: color.to_rgba(), filled: false, stroke_width: (width * f64::from(SCALE)).round() as u32 }
-}
+/// Colours of the curves.
+const PAPER: RGBColor = PALETTE[1];
+const IMPROVED: RGBColor = PALETTE[0];
+const GUIDED: RGBColor = PALETTE[2];
 
 /// The cells of the cut, filled with their mean radiance times `exposure`; thin lines divide them as the comparison level
 /// two below does, dots mark the centroids.
@@ -51,11 +19,10 @@ fn stroke(color: impl Color, width: f64) -> ShapeStyle {
 /// # Errors
 /// A drawing that fails.
 pub fn cut_svg(made: &Compressed, exposure: f32) -> Result<String, DrawError> {
-    const SIZE: u32 = 640;
+    const SIZE: f64 = 640.0;
     let at = |p: Vec2| {
-        let middle = 0.5 * (SIZE * SCALE) as f32;
-        let q = middle + 0.97 * middle * Vec2::new(p.x, -p.y);
-        (q.x.round() as i32, q.y.round() as i32)
+        let middle = 0.5 * SIZE;
+        at(middle + 0.97 * middle * f64::from(p.x), middle - 0.97 * middle * f64::from(p.y))
     };
     let nodes = made.tree.nodes();
     let outline = |i: usize| nodes[i].cell.outline().into_iter().map(at).collect::<Vec<_>>();
@@ -66,11 +33,7 @@ pub fn cut_svg(made: &Compressed, exposure: f32) -> Result<String, DrawError> {
     svg((SIZE, SIZE), |canvas| {
         // The base disk: cells without samples stay grey.
         canvas
-            .draw(&Circle::new(
-                at(Vec2::ZERO),
-                (0.485 * (SIZE * SCALE) as f32) as i32,
-                RGBColor(128, 128, 128).filled(),
-            ))
+            .draw(&Circle::new(at(Vec2::ZERO), px(0.485 * SIZE), RGBColor(128, 128, 128).filled()))
             .map_err(failed)?;
         for &i in &made.cut.nodes {
             // The samples of a small cell rarely cover exactly its solid angle: theirs counts.
@@ -91,8 +54,7 @@ pub fn cut_svg(made: &Compressed, exposure: f32) -> Result<String, DrawError> {
         }
         for &i in &made.cut.nodes {
             let d = nodes[i].direction;
-            let dot =
-                Circle::new(at(Vec2::new(d.x, d.y)), (1.3 * f64::from(SCALE)) as i32, RGBColor(40, 140, 255).filled());
+            let dot = Circle::new(at(Vec2::new(d.x, d.y)), px(1.3), RGBColor(40, 140, 255).filled());
             canvas.draw(&dot).map_err(failed)?;
         }
         Ok(())
@@ -113,13 +75,11 @@ pub fn error_svg(paper: &[Measured], improved: &[Measured], guided: Measured) ->
         let (low, high) = all().map(of).fold((f64::INFINITY, 0f64), |(a, b), x| (a.min(x), b.max(x)));
         0.8 * low..1.25 * high
     };
-    let px = |x: u32| x * SCALE;
-    let font = |size: u32| ("Helvetica, Arial, sans-serif", px(size)).into_font().color(&BLACK);
-    svg((640, 440), |canvas| {
+    svg((640.0, 440.0), |canvas| {
         let mut plot = ChartBuilder::on(canvas)
-            .margin(px(12))
-            .x_label_area_size(px(44))
-            .y_label_area_size(px(64))
+            .margin(px(12.0))
+            .x_label_area_size(px(44.0))
+            .y_label_area_size(px(64.0))
             .build_cartesian_2d(range(|p| p.0).log_scale(), range(|p| p.1).log_scale())
             .map_err(failed)?;
         plot.configure_mesh()
@@ -127,8 +87,9 @@ pub fn error_svg(paper: &[Measured], improved: &[Measured], guided: Measured) ->
             .y_desc("RMSE / mean of the reflected radiance")
             .x_label_formatter(&|x| format!("{x:.0}"))
             .y_label_formatter(&|y| format!("{}", (y * 1e6).round() / 1e6))
-            .axis_desc_style(font(14))
-            .label_style(font(12))
+            .axis_desc_style(text(11.5, &BLACK, HPos::Center))
+            .x_label_style(text(10.0, &BLACK, HPos::Center))
+            .y_label_style(text(10.0, &BLACK, HPos::Right))
             .bold_line_style(stroke(RGBColor(214, 218, 224), 0.8))
             .light_line_style(TRANSPARENT)
             .x_labels(8)
@@ -140,19 +101,18 @@ pub fn error_svg(paper: &[Measured], improved: &[Measured], guided: Measured) ->
             plot.draw_series(LineSeries::new(curve.iter().map(point), stroke(color, 1.8)))
                 .map_err(failed)?
                 .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + px(20) as i32, y)], stroke(color, 1.8)));
-            plot.draw_series(curve.iter().map(|m| Circle::new(point(m), px(3) as i32, color.filled())))
-                .map_err(failed)?;
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + px(20.0), y)], stroke(color, 1.8)));
+            plot.draw_series(curve.iter().map(|m| Circle::new(point(m), px(3.0), color.filled()))).map_err(failed)?;
         }
-        plot.draw_series([TriangleMarker::new(point(&guided), px(6) as i32, GUIDED.filled())])
+        plot.draw_series([TriangleMarker::new(point(&guided), px(6.0), GUIDED.filled())])
             .map_err(failed)?
             .label("improved, guided by the views (against its own samples)")
-            .legend(|(x, y)| TriangleMarker::new((x + px(10) as i32, y), px(5) as i32, GUIDED.filled()));
+            .legend(|(x, y)| TriangleMarker::new((x + px(10.0), y), px(5.0), GUIDED.filled()));
         plot.configure_series_labels()
             .position(SeriesLabelPosition::LowerLeft)
-            .legend_area_size(px(26))
-            .margin(px(8))
-            .label_font(font(12))
+            .legend_area_size(px(26.0))
+            .margin(px(8.0))
+            .label_font(text(10.0, &BLACK, HPos::Left))
             .background_style(WHITE.mix(0.85))
             .draw()
             .map_err(failed)

@@ -4,6 +4,7 @@
 //! sRGB primaries. Everything refers to everything else by index into the vectors of [`Scene`].
 
 mod camera;
+pub mod checksum;
 mod light;
 pub mod load;
 mod material;

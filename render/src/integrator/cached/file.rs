@@ -11,7 +11,7 @@ use crate::record::Record;
 use crate::record::eas::{Eas, EasRecord, Estimator};
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::IrradianceRecord;
-use crate::scene::{Environment, Geometry, Texture};
+use crate::scene::checksum::{Checksums, Hash};
 use crate::world::World;
 use glam::Vec3A;
 use serde::{Deserialize, Serialize};
@@ -64,42 +64,15 @@ pub struct Loaded {
 
 /// What a rendering would write into the header, counts aside.
 fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -> Header {
-    let scene = &world.scene;
-    let mut hash = Hash::default();
-    for shape in scene.shapes.iter().chain(scene.groups.iter().flat_map(|g| &g.shapes)) {
-        match &shape.geometry {
-            Geometry::Mesh(m) => {
-                m.positions.iter().for_each(|p| hash.numbers(&p.to_array()));
-                m.triangles.iter().for_each(|t| hash.0.update(bytemuck::cast_slice(t)));
-            }
-            Geometry::Sphere(s) => hash.text(&format!("{s:?}")),
-        }
-        hash.text(&format!("{:?}{:?}", shape.material, shape.emitter));
-    }
-    hash.text(&format!("{:?}{:?}{:?}", scene.instances, scene.lights, scene.integrator.max_depth));
-    if let Some(Environment::Map(map)) = &scene.environment {
-        (0..map.image.texels.len()).for_each(|i| hash.numbers(&map.image.texels.get(i).to_array()));
-    } else {
-        hash.text(&format!("{:?}", scene.environment));
-    }
-    let mut materials = Hash::default();
-    materials.text(&format!("{:?}", scene.materials));
-    for texture in &scene.textures {
-        match texture {
-            Texture::Bitmap(b) => (0..b.texels.len()).for_each(|i| materials.numbers(&b.texels.get(i).to_array())),
-            other => materials.text(&format!("{other:?}")),
-        }
-    }
+    let Checksums { geometry, materials, camera } = Checksums::new(&world.scene);
     let mut tables = Hash::default();
     policy.lobes.iter().for_each(|l| tables.text(&format!("{:?}", l.table.header)));
     tables.text(&format!("{:?}", policy.projection));
-    let mut camera = Hash::default();
-    camera.text(&format!("{:?}", scene.camera));
     Header {
-        scene: hash.finish(),
-        materials: materials.finish(),
+        scene: geometry,
+        materials,
         tables: tables.finish(),
-        camera: camera.finish(),
+        camera,
         estimator: settings.estimator,
         tolerance,
         indirect_only: settings.indirect_only,
@@ -107,23 +80,6 @@ fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -
         irradiance: 0,
         eas: 0,
         harmonics: 0,
-    }
-}
-
-#[derive(Default)]
-struct Hash(crc32fast::Hasher, u64);
-
-impl Hash {
-    fn text(&mut self, text: &str) {
-        self.0.update(text.as_bytes());
-        self.1 += text.len() as u64;
-    }
-    fn numbers(&mut self, numbers: &[f32]) {
-        self.0.update(bytemuck::cast_slice(numbers));
-        self.1 += 1;
-    }
-    fn finish(self) -> u64 {
-        u64::from(self.0.finalize()) << 32 | self.1 & 0xffff_ffff
     }
 }
 

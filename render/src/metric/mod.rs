@@ -1,5 +1,7 @@
 //! How far a picture is from its reference.
 
+pub mod defects;
+
 use crate::image::{Image, from_srgb, to_srgb};
 use serde::Serialize;
 use thiserror::Error;
@@ -80,12 +82,15 @@ pub fn false_color(image: &Image, reference: &Image) -> Result<Image, SizeMismat
     if a != b {
         return Err(SizeMismatch(a, b));
     }
-    let error = |x: &[f32; 3], y: &[f32; 3]| {
-        let sum: f32 = (0..3).map(|c| (x[c] - y[c]).powi(2) / (y[c] * y[c] + 0.01)).sum();
-        (sum / 3.0).sqrt() / FULL_SCALE
-    };
-    let pixels = image.pixels.iter().zip(&reference.pixels).map(|(x, y)| color(error(x, y)).map(from_srgb)).collect();
+    let shown = |(x, y): (&[f32; 3], &[f32; 3])| color(pixel_error(x, y) / FULL_SCALE).map(from_srgb);
+    let pixels = image.pixels.iter().zip(&reference.pixels).map(shown).collect();
     Ok(Image { pixels, ..*image })
+}
+
+/// Root of the channels' mean of squared error / (reference² + 0.01).
+fn pixel_error(x: &[f32; 3], y: &[f32; 3]) -> f32 {
+    let sum: f32 = (0..3).map(|c| (x[c] - y[c]).powi(2) / (y[c] * y[c] + 0.01)).sum();
+    (sum / 3.0).sqrt()
 }
 
 /// Colour map on the sRGB scale; the square root spreads the small errors.

@@ -1,0 +1,139 @@
+//! One cell of a sweep: a scene, a method, a setting.
+
+use super::method::{Engine, Method};
+use super::plan::Plan;
+use super::row::Row;
+use super::setting::Setting;
+use super::subject::Subject;
+use anyhow::{Context, Result};
+use render::film::{self, Budget, Picture};
+use render::image::{Image, write_png};
+use render::integrator::PathTracer;
+use render::integrator::cached::policy::{Allowed, Policy};
+use render::integrator::cached::{Figures, Settings, render_cached};
+use render::metric::defects::Defects;
+use render::metric::{compare, false_color};
+use render::tables::Tables;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Decisions on the materials of a scene, made once for all settings.
+pub struct Policies<'a> {
+    tables: &'a mut Tables,
+    known: Vec<(Allowed, Policy)>,
+}
+
+impl<'a> Policies<'a> {
+    /// Of no scene yet.
+    pub fn new(tables: &'a mut Tables) -> Self {
+        Self { tables, known: Vec::new() }
+    }
+
+    /// Makes sure that those of a cell are there: tables may have to be fitted.
+    ///
+    /// # Errors
+    /// A material that cannot be fitted.
+    pub fn prepare(&mut self, subject: &Subject, method: &Method, setting: Setting) -> Result<()> {
+        let Engine::Cached(allowed, _) = method.engine else { return Ok(()) };
+        let allowed = allowed(setting);
+        if !self.known.iter().any(|(a, _)| *a == allowed) {
+            let policy = Policy::new(&subject.world.scene, allowed, |recipe| self.tables.find(recipe))?;
+            self.known.push((allowed, policy));
+        }
+        Ok(())
+    }
+
+    fn of(&self, allowed: Allowed) -> Result<&Policy> {
+        let found = self.known.iter().find(|(a, _)| *a == allowed);
+        Ok(&found.context("the method was not prepared")?.1)
+    }
+}
+
+/// Files of a cell: the picture, and its difference from the reference.
+pub fn pictures(plan: &Plan, subject: &Subject, row: &Row) -> [PathBuf; 2] {
+    let stem = format!("{}-{}-{}-{}-{}", row.scene, subject.digest, row.method, row.setting, row.seed);
+    ["", "-difference"].map(|kind| plan.output.join("pictures").join(format!("{stem}{kind}.png")))
+}
+
+/// The row of a cell before it is run: what it is known by.
+pub fn blank(plan: &Plan, subject: &Subject, method: &Method, setting: Setting) -> Row {
+    let window = subject.world.scene.camera.film.window();
+    Row {
+        scene: subject.name.clone(),
+        digest: subject.digest.clone(),
+        method: method.name.into(),
+        setting: setting.to_string(),
+        seed: plan.seed,
+        width: window.width,
+        height: window.height,
+        ..Row::default()
+    }
+}
+
+/// Renders, compares, writes the pictures.
+///
+/// # Errors
+/// Pictures that cannot be written.
+pub fn run(
+    plan: &Plan,
+    subject: &Subject,
+    policies: &Policies,
+    (method, setting): (&Method, Setting),
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Row> {
+    let budget = match setting {
+        Setting::Time(seconds) => Budget::Time(Duration::from_secs_f64(seconds)),
+        Setting::Tau(_) => Budget::Samples(plan.spp),
+        Setting::Spp(n) => Budget::Samples(n),
+    };
+    let mut row = blank(plan, subject, method, setting);
+    let picture = match method.engine {
+        Engine::Traced => {
+            let start = Instant::now();
+            let settings = subject.world.scene.integrator;
+            let integrator = PathTracer { settings, indirect_only: plan.indirect_only };
+            let picture = film::render(&subject.world, &integrator, budget, plan.seed, progress);
+            row.shade = start.elapsed().as_secs_f64();
+            picture
+        }
+        Engine::Cached(allowed, estimator) => {
+            let tolerance = if let Setting::Tau(tau) = setting { Some(tau) } else { None };
+            let settings =
+                Settings { tolerance, estimator, budget, seed: plan.seed, indirect_only: plan.indirect_only };
+            let policy = policies.of(allowed(setting))?;
+            let (picture, figures, _) = render_cached(&subject.world, policy, &settings, None, progress);
+            note_caches(&mut row, &figures);
+            picture
+        }
+    };
+    row.seconds = row.fill + row.shade;
+    row.spp = picture.spp;
+    judge(&mut row, &picture, &subject.reference)?;
+    row.round();
+    let image = picture.image();
+    let [shown, difference] = pictures(plan, subject, &row);
+    write_png(&shown, &image)?;
+    write_png(&difference, &false_color(&image, &subject.reference)?)?;
+    Ok(row)
+}
+
+fn note_caches(row: &mut Row, figures: &Figures) {
+    (row.fill, row.shade) = (figures.fill.as_secs_f64(), figures.shade.as_secs_f64());
+    row.tau = f64::from(figures.tolerance);
+    row.records = (figures.eas_records + figures.irradiance_records) as u64;
+    row.glossy_records = figures.eas_records as u64;
+    let per_record = |x: usize| x as f64 / figures.eas_records.max(1) as f64;
+    row.size = per_record(figures.sources);
+    row.bytes_per_record = per_record(figures.eas_bytes);
+    row.bytes = figures.bytes as u64;
+}
+
+fn judge(row: &mut Row, picture: &Picture, reference: &Image) -> Result<()> {
+    let image = picture.image();
+    let figures = compare(&image, reference)?;
+    (row.rmse, row.rel_mse, row.bias) = (figures.rmse, figures.rel_mse, figures.bias);
+    (row.max, row.flip) = (figures.max, figures.flip);
+    let defects = Defects::new(&image, reference)?;
+    (row.blocks, row.worst, row.leaks, row.negative) = (defects.blocks, defects.worst, defects.leaks, defects.negative);
+    Ok(())
+}

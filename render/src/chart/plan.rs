@@ -1,0 +1,72 @@
+//! What to sweep.
+
+use super::method::{Engine, Method};
+use super::setting::Setting;
+use std::path::PathBuf;
+
+/// A reference that is traced: it ends at an error or a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Root of the rel_mse that its own noise may have.
+    pub error: f64,
+    /// Most seconds for it, about.
+    pub seconds: f64,
+}
+
+impl Reference {
+    /// Part of its file's name.
+    pub fn id(self) -> String {
+        format!("error{}-time{}", self.error, self.seconds)
+    }
+}
+
+/// What is to be done, checked.
+pub struct Plan {
+    /// Scenes.
+    pub scenes: Vec<PathBuf>,
+    /// A reference for each, or none.
+    pub references: Vec<PathBuf>,
+    /// How references are traced.
+    pub reference: Reference,
+    /// Methods.
+    pub methods: Vec<&'static Method>,
+    /// Budgets, s.
+    pub times: Vec<f64>,
+    /// Qualities of caches.
+    pub taus: Vec<f32>,
+    /// Samples per pixel of runs at a τ.
+    pub spp: u32,
+    /// Whether every method runs at one quality, and faults are judged.
+    pub stability: bool,
+    /// Width of the film.
+    pub width: Option<u32>,
+    /// Parameters of the scenes.
+    pub defines: Vec<(String, String)>,
+    /// Folder of tables.
+    pub tables: PathBuf,
+    /// Seed.
+    pub seed: u64,
+    /// Whether light that is scattered less than twice is left out.
+    pub indirect_only: bool,
+    /// Folder of the results.
+    pub output: PathBuf,
+    /// The command, for the page.
+    pub command: String,
+}
+
+impl Plan {
+    /// Settings of a method, in the order in which they are run.
+    pub fn settings(&self, method: &Method) -> Vec<Setting> {
+        let quality = match method.engine {
+            Engine::Traced if self.stability => vec![Setting::Spp(self.spp)],
+            Engine::Traced => Vec::new(),
+            Engine::Cached(..) => self.taus.iter().map(|t| Setting::Tau(*t)).collect(),
+        };
+        self.times.iter().map(|t| Setting::Time(*t)).chain(quality).collect()
+    }
+
+    /// All cells of a scene.
+    pub fn cells(&self) -> Vec<(&'static Method, Setting)> {
+        self.methods.iter().flat_map(|m| self.settings(m).into_iter().map(|s| (*m, s))).collect()
+    }
+}

@@ -1,0 +1,44 @@
+//! How a method is run: the one number that a sweep varies.
+
+use std::fmt;
+use std::time::Duration;
+
+/// A setting of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setting {
+    /// Seconds for everything but loading and fitting; the method finds its own quality.
+    Time(f64),
+    /// τ of a cached rendering.
+    Tau(f32),
+    /// Samples per pixel of the path tracer.
+    Spp(u32),
+}
+
+impl fmt::Display for Setting {
+    /// As written in the CSV.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Time(seconds) => write!(f, "time={seconds}"),
+            Self::Tau(tau) => write!(f, "tau={tau}"),
+            Self::Spp(n) => write!(f, "spp={n}"),
+        }
+    }
+}
+
+/// Seconds from the command line.
+///
+/// # Errors
+/// What no budget can be.
+pub fn parse_time(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|s| *s > 0.0 && *s < 1e7);
+    // Also what a `Duration` takes.
+    seconds.filter(|s| Duration::try_from_secs_f64(*s).is_ok()).ok_or_else(|| "expected seconds > 0".into())
+}
+
+/// τ from the command line.
+///
+/// # Errors
+/// What no rendering takes.
+pub fn parse_tau(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|t| (0.0005..=1.0).contains(t)).ok_or_else(|| "expected a number from 0.0005 to 1".into())
+}

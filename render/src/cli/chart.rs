@@ -1,0 +1,177 @@
+//! `render chart`.
+
+use super::image::{MAX_SIZE, parse_define};
+use crate::chart::method::{METHODS, Method, find};
+use crate::chart::plan::{Plan, Reference};
+use crate::chart::setting::{parse_tau, parse_time};
+use anyhow::{Context, Result, ensure};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What is charted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Suite {
+    /// Every method at one quality over the scenes in which caches tend to fail, and a verdict on each.
+    Stability,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  render chart tests/scenes/cornell-glossy.xml -o chart
+      a reference, then path tracing and the caches at several times and qualities; open chart/index.html
+  render chart a.xml b.xml --reference a.exr --reference b.exr --methods path,eas --times 1,10 -o chart
+  render chart --suite stability -o stability
+      the scenes of tests/scenes/failure
+
+Writes into DIR: index.html (all of it in one file), chart.csv, figures/*.svg, pictures/*.png, references/*.exr.
+A run that was interrupted goes on where it stopped: what chart.csv has is not run again.";
+
+/// Arguments of `render chart`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Scenes: Mitsuba XML or glTF, or folders of them.
+    #[arg(required_unless_present = "suite")]
+    scenes: Vec<PathBuf>,
+    /// Folder for the results; made where it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// A set of scenes and settings.
+    #[arg(long, value_enum)]
+    suite: Option<Suite>,
+    /// Converged picture of a scene, once for each in their order [default: path traced, and kept in DIR].
+    #[arg(long, value_name = "REF.exr")]
+    reference: Vec<PathBuf>,
+    /// Where the reference does not come from a file: the relative error at which it ends, the root of its rel_mse.
+    #[arg(long, value_name = "RELATIVE", default_value_t = 0.015)]
+    reference_error: f64,
+    /// About the most seconds for such a reference.
+    #[arg(long, value_name = "SECONDS", default_value = "240", value_parser = parse_time)]
+    reference_time: f64,
+    /// Methods [default: all but auto; all for a suite].
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = methods())]
+    methods: Vec<&'static Method>,
+    /// Budgets in seconds, kept by every method [default: 0.5,1,2,4; none for a suite].
+    #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', value_parser = parse_time)]
+    times: Option<Vec<f64>>,
+    /// Qualities of the cached methods, the paper's tau [default: 0.16,0.08,0.04,0.02,0.01; 0.04 for a suite].
+    #[arg(long, value_name = "TAU,…", value_delimiter = ',', value_parser = parse_tau)]
+    taus: Option<Vec<f32>>,
+    /// Samples per pixel of the runs that have no time budget.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    spp: u32,
+    /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIZE)))]
+    width: Option<u32>,
+    /// Set a parameter of the scene files.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
+    define: Vec<(String, String)>,
+    /// Folder of fitted tables; what is missing is fitted and kept there.
+    #[arg(long, value_name = "DIR", default_value = "tables")]
+    tables: PathBuf,
+    /// Leave out light that is scattered less than twice.
+    #[arg(long)]
+    indirect_only: bool,
+    /// Number of threads [default: all cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Seed of the sample points.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+/// Names of methods.
+fn methods() -> impl TypedValueParser<Value = &'static Method> {
+    let names = METHODS.iter().map(|m| PossibleValue::new(m.name).help(m.about));
+    PossibleValuesParser::new(names).map(|name| find(&name).expect("one of the names"))
+}
+
+/// Scenes of the suite, from the project's folder.
+const FAILURE: &str = "tests/scenes/failure";
+
+/// Checks, runs.
+pub fn run(args: Args) -> Result<ExitCode> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
+    let plan = plan(args)?;
+    pool.install(|| crate::chart::run(&plan))?;
+    println!("{}", plan.output.join("index.html").display());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn plan(args: Args) -> Result<Plan> {
+    let stability = args.suite == Some(Suite::Stability);
+    let mut named = args.scenes;
+    if named.is_empty() {
+        ensure!(
+            Path::new(FAILURE).is_dir(),
+            "{FAILURE}: there is no such folder here; run in the project's folder, or name scenes"
+        );
+        named.push(FAILURE.into());
+    }
+    let mut scenes = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            scenes.extend(scenes_of(&path)?);
+        } else {
+            scenes.push(path);
+        }
+    }
+    ensure!(
+        args.reference.is_empty() || args.reference.len() == scenes.len(),
+        "--reference: {} given for {} scenes",
+        args.reference.len(),
+        scenes.len()
+    );
+    let error = args.reference_error;
+    ensure!(error > 0.0 && error.is_finite(), "--reference-error needs a number > 0");
+    let methods = match args.methods {
+        m if !m.is_empty() => m,
+        _ => METHODS.iter().filter(|m| stability || m.swept).collect(),
+    };
+    for (i, method) in methods.iter().enumerate() {
+        ensure!(methods[..i].iter().all(|m| m.name != method.name), "--methods: {} is there twice", method.name);
+    }
+    let times = args.times.unwrap_or_else(|| if stability { Vec::new() } else { vec![0.5, 1.0, 2.0, 4.0] });
+    let taus = args.taus.unwrap_or_else(|| if stability { vec![0.04] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
+    ensure!(!(stability && taus.len() > 1), "--taus: the suite compares the methods at one quality");
+    Ok(Plan {
+        scenes,
+        references: args.reference,
+        reference: Reference { error, seconds: args.reference_time },
+        methods,
+        times,
+        taus,
+        spp: args.spp,
+        stability,
+        width: args.width.or(stability.then_some(64)),
+        defines: args.define,
+        tables: args.tables,
+        seed: args.seed,
+        indirect_only: args.indirect_only,
+        output: args.output,
+        command: command(),
+    })
+}
+
+/// Scenes of a folder, by name.
+fn scenes_of(folder: &Path) -> Result<Vec<PathBuf>> {
+    let place = || folder.display().to_string();
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(place)? {
+        let path = entry.with_context(place)?.path();
+        if path.extension().is_some_and(|e| ["xml", "gltf", "glb"].iter().any(|x| e.eq_ignore_ascii_case(x))) {
+            found.push(path);
+        }
+    }
+    ensure!(!found.is_empty(), "{}: no scenes in this folder", folder.display());
+    found.sort();
+    Ok(found)
+}
+
+/// What was typed.
+fn command() -> String {
+    let words = std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned());
+    let words = words.map(|w| if w.contains([' ', '"']) { format!("{w:?}") } else { w });
+    std::iter::once("render".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
