@@ -15,5 +15,7 @@ mod harmonics;
 mod library;
 #[path = "cached/pictures.rs"]
 mod pictures;
+#[path = "cached/spacing.rs"]
+mod spacing;
 #[path = "cached/translation.rs"]
 mod translation;

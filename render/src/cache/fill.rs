@@ -3,7 +3,7 @@
 //! A wave sees the records of earlier waves only, and its records are inserted in the order of their pixels: the cache is
 //! the same for any number of threads.
 
-use super::Cache;
+use super::{Cache, Shrink};
 use crate::record::Record;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -26,32 +26,47 @@ const COARSEST: u32 = 32;
 /// Records of a wave that are made at once: between such batches the clock is looked at.
 const BATCH: usize = 256;
 
-/// Makes a record at every pixel that is not `covered` by the time its wave comes. `insert` adds it, and may adjust it and
-/// its neighbours. Stops at the deadline; returns whether it was reached.
-pub fn fill<R: Record, M: Send>(
-    cache: &mut Cache<R>,
-    grid: Grid,
-    deadline: Option<Instant>,
-    covered: impl Fn(&Cache<R>, usize) -> bool + Sync,
-    make: impl Fn(&Cache<R>, usize) -> Option<M> + Sync,
-    mut insert: impl FnMut(&mut Cache<R>, M),
-    progress: Progress,
-) -> bool {
-    let total = f64::from(grid.width) * f64::from(grid.height);
-    let mut seen = 0;
-    for pixels in waves(grid) {
-        let open: Vec<usize> = pixels.par_iter().copied().filter(|&i| !covered(cache, i)).collect();
-        for batch in open.chunks(BATCH) {
-            if deadline.is_some_and(|end| Instant::now() >= end) {
-                return true;
+/// What a filling goes over, and until when.
+#[derive(Clone, Copy)]
+pub struct Filler<'a> {
+    /// Candidates.
+    pub grid: Grid,
+    /// End of the time there is.
+    pub deadline: Option<Instant>,
+    /// Told how far it is.
+    pub progress: Progress<'a>,
+}
+
+impl Filler<'_> {
+    /// Makes a record at every pixel that is not `covered` by the time its wave comes. `adapt` tells which records must
+    /// reach less far for what they say of a pixel. `insert` adds a record, and may adjust it and its neighbours. Stops at
+    /// the deadline; returns whether it was reached.
+    pub fn fill<R: Record, M: Send>(
+        &self,
+        cache: &mut Cache<R>,
+        adapt: impl Fn(&Cache<R>, usize) -> Vec<Shrink> + Sync,
+        covered: impl Fn(&Cache<R>, usize) -> bool + Sync,
+        make: impl Fn(&Cache<R>, usize) -> Option<M> + Sync,
+        mut insert: impl FnMut(&mut Cache<R>, M),
+    ) -> bool {
+        let total = f64::from(self.grid.width) * f64::from(self.grid.height);
+        let mut seen = 0;
+        for pixels in waves(self.grid) {
+            let shrinks: Vec<Shrink> = pixels.par_iter().flat_map_iter(|&i| adapt(cache, i)).collect();
+            cache.shrink(&shrinks);
+            let open: Vec<usize> = pixels.par_iter().copied().filter(|&i| !covered(cache, i)).collect();
+            for batch in open.chunks(BATCH) {
+                if self.deadline.is_some_and(|end| Instant::now() >= end) {
+                    return true;
+                }
+                let made: Vec<M> = batch.par_iter().filter_map(|&i| make(cache, i)).collect();
+                made.into_iter().for_each(|record| insert(cache, record));
             }
-            let made: Vec<M> = batch.par_iter().filter_map(|&i| make(cache, i)).collect();
-            made.into_iter().for_each(|record| insert(cache, record));
+            seen += pixels.len();
+            (self.progress)(seen as f64 / total);
         }
-        seen += pixels.len();
-        progress(seen as f64 / total);
+        false
     }
-    false
 }
 
 /// Every pixel once: a coarse grid, then the three grids between at every halving of the spacing.

@@ -1,14 +1,16 @@
 //! A cache of records of one kind: octree, radius policy, and filling in waves.
 
+mod adapt;
 mod fill;
 mod octree;
 mod radius;
 
 use crate::record::Record;
-pub use fill::{Grid, Progress, fill};
+pub use adapt::{Shrink, WEBER_FRACTION, disagreeing};
+pub use fill::{Filler, Grid, Progress};
 use glam::Vec3A;
 pub use octree::Octree;
-pub use radius::{RadiusPolicy, Weight, clamp_to_neighbours};
+pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours};
 
 /// Records and where they are.
 #[derive(Clone, Debug)]
@@ -45,11 +47,17 @@ impl<R: Record> Cache<R> {
     /// Calls `found` with every record that counts at a point, and its weight.
     #[inline]
     pub fn interpolate(&self, position: Vec3A, normal: Vec3A, weight: Weight, mut found: impl FnMut(&R, f32)) {
+        self.visit(position, normal, weight, |_, record, w| found(record, w));
+    }
+
+    /// [`Cache::interpolate`] with the index of the record.
+    #[inline]
+    pub fn visit(&self, position: Vec3A, normal: Vec3A, weight: Weight, mut found: impl FnMut(u32, &R, f32)) {
         self.octree.visit(position, |i| {
             let record = &self.records[i as usize];
             let w = weight.of(record, position, normal);
             if w > 0.0 {
-                found(record, w);
+                found(i, record, w);
             }
         });
     }

@@ -4,6 +4,15 @@ use super::Cache;
 use crate::record::Record;
 use glam::Vec3A;
 
+/// What else than distances decides how far records reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Spacing {
+    /// Radii follow the curvature of the light (its Hessian) instead of the distance of what is seen.
+    pub hessian: bool,
+    /// Records that differ by more than this fraction where they overlap reach less far ([`super::disagreeing`]).
+    pub adaptive: Option<f32>,
+}
+
 /// Radius of a record from the distance of what it sees, kept between bounds in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadiusPolicy {
@@ -18,8 +27,13 @@ pub struct RadiusPolicy {
 impl RadiusPolicy {
     /// The radius for a distance (minimum or mean, infinite where nothing was met) and the width of a pixel there.
     pub fn radius(&self, distance: f32, footprint: f32) -> f32 {
+        self.bounded(self.scale * distance, footprint)
+    }
+
+    /// A radius found otherwise, between the bounds.
+    pub fn bounded(&self, radius: f32, footprint: f32) -> f32 {
         let (low, high) = (self.min_pixels * footprint, self.max_pixels * footprint);
-        (self.scale * distance).clamp(low, high.max(low)).max(f32::MIN_POSITIVE)
+        radius.clamp(low, high.max(low)).max(f32::MIN_POSITIVE)
     }
 }
 

@@ -34,7 +34,7 @@ impl<'a> Policies<'a> {
     /// # Errors
     /// A material that cannot be fitted.
     pub fn prepare(&mut self, subject: &Subject, method: &Method, setting: Setting) -> Result<()> {
-        let Engine::Cached(allowed, _) = method.engine else { return Ok(()) };
+        let Engine::Cached(allowed, ..) = method.engine else { return Ok(()) };
         let allowed = allowed(setting);
         if !self.known.iter().any(|(a, _)| *a == allowed) {
             let policy = Policy::new(&subject.world.scene, allowed, |recipe| self.tables.find(recipe))?;
@@ -96,10 +96,10 @@ pub fn run(
             row.shade = start.elapsed().as_secs_f64();
             picture
         }
-        Engine::Cached(allowed, estimator) => {
+        Engine::Cached(allowed, estimator, spacing) => {
             let tolerance = if let Setting::Tau(tau) = setting { Some(tau) } else { None };
             let settings =
-                Settings { tolerance, estimator, budget, seed: plan.seed, indirect_only: plan.indirect_only };
+                Settings { tolerance, estimator, spacing, budget, seed: plan.seed, indirect_only: plan.indirect_only };
             let policy = policies.of(allowed(setting))?;
             let (picture, figures, _) = render_cached(&subject.world, policy, &settings, None, progress);
             note_caches(&mut row, &figures);
@@ -120,11 +120,14 @@ pub fn run(
 fn note_caches(row: &mut Row, figures: &Figures) {
     (row.fill, row.shade) = (figures.fill.as_secs_f64(), figures.shade.as_secs_f64());
     row.tau = f64::from(figures.tolerance);
-    row.records = (figures.eas_records + figures.irradiance_records) as u64;
-    row.glossy_records = figures.eas_records as u64;
-    let per_record = |x: usize| x as f64 / figures.eas_records.max(1) as f64;
-    row.size = per_record(figures.sources);
-    row.bytes_per_record = per_record(figures.eas_bytes);
+    let glossy = figures.eas_records + figures.harmonics_records;
+    row.records = (glossy + figures.irradiance_records) as u64;
+    row.glossy_records = glossy as u64;
+    let per_record = |x: usize| x as f64 / glossy.max(1) as f64;
+    row.size = per_record(figures.sources + figures.bands);
+    row.bytes_per_record = per_record(figures.eas_bytes + figures.harmonics_bytes);
+    // Before the picture was kept from it.
+    row.negative = figures.negative_pixels as f64 / (f64::from(row.width) * f64::from(row.height)).max(1.0);
     row.bytes = figures.bytes as u64;
 }
 
@@ -134,6 +137,7 @@ fn judge(row: &mut Row, picture: &Picture, reference: &Image) -> Result<()> {
     (row.rmse, row.rel_mse, row.bias) = (figures.rmse, figures.rel_mse, figures.bias);
     (row.max, row.flip) = (figures.max, figures.flip);
     let defects = Defects::new(&image, reference)?;
-    (row.blocks, row.worst, row.leaks, row.negative) = (defects.blocks, defects.worst, defects.leaks, defects.negative);
+    (row.blocks, row.worst, row.leaks) = (defects.blocks, defects.worst, defects.leaks);
+    row.negative = row.negative.max(defects.negative);
     Ok(())
 }

@@ -1,16 +1,19 @@
 //! The methods a chart knows. A new one is a line of [`METHODS`].
 
 use super::setting::Setting;
+use render::cache::{Spacing, WEBER_FRACTION};
+use render::integrator::cached::TOLERANCE;
 use render::integrator::cached::policy::Allowed;
 use render::record::eas::Estimator;
+use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
 
 /// What renders.
 #[derive(Clone, Copy, Debug)]
 pub enum Engine {
     /// The path tracer.
     Traced,
-    /// Caches: what they may hold at a setting.
-    Cached(fn(Setting) -> Allowed, Estimator),
+    /// Caches: what they may hold at a setting, how sources are summed, how far records reach.
+    Cached(fn(Setting) -> Allowed, Estimator, Spacing),
 }
 
 /// A way to render, with all but its settings.
@@ -34,33 +37,85 @@ pub const METHODS: &[Method] = &[
     Method {
         name: "irradiance",
         about: "irradiance records on diffuse surfaces, path tracing of glossy ones",
-        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved),
-
+        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, DISTANCE),
         ours: false,
         swept: true,
     },
     Method {
+        name: "sh",
+        about: "harmonics of the order that a view needs, path tracing of views that no order holds",
+        engine: Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, DISTANCE),
+        ours: false,
+        swept: true,
+    },
+    Method {
+        name: "sh-29",
+        about: "harmonics of order 29 everywhere, whatever they lose",
+        engine: Engine::Cached(|setting| harmonics(setting, Some(29)), Estimator::Improved, DISTANCE),
+        ours: false,
+        swept: false,
+    },
+    Method {
         name: "eas-paper",
         about: "EAS moved and summed as published in 2015",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Paper),
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Paper, DISTANCE),
         ours: false,
         swept: true,
     },
     Method {
         name: "eas",
         about: "EAS with our estimator",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved),
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, DISTANCE),
         ours: true,
         swept: true,
     },
     Method {
         name: "auto",
         about: "our EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest",
-        engine: Engine::Cached(|_| Allowed::Auto, Estimator::Improved),
+        engine: Engine::Cached(|_| Allowed::Auto, Estimator::Improved, DISTANCE),
+        ours: true,
+        swept: false,
+    },
+    Method {
+        name: "irradiance-hessian",
+        about: "irradiance, radii by the curvature of the light",
+        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, HESSIAN),
+        ours: false,
+        swept: false,
+    },
+    Method {
+        name: "sh-adaptive",
+        about: "sh, records that disagree shrink",
+        engine: Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, ADAPTIVE),
+        ours: false,
+        swept: false,
+    },
+    Method {
+        name: "eas-hessian",
+        about: "eas, radii by the curvature of the light",
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, HESSIAN),
+        ours: true,
+        swept: false,
+    },
+    Method {
+        name: "eas-adaptive",
+        about: "eas, records that disagree shrink",
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, ADAPTIVE),
         ours: true,
         swept: false,
     },
 ];
+
+/// Radii by distance; by curvature; less where records differ by more than the eye lets pass.
+const DISTANCE: Spacing = Spacing { hessian: false, adaptive: None };
+const HESSIAN: Spacing = Spacing { hessian: true, adaptive: None };
+const ADAPTIVE: Spacing = Spacing { hessian: false, adaptive: Some(WEBER_FRACTION) };
+
+/// Hemispherical harmonics with analytic gradients, their order from τ unless it is given.
+fn harmonics(setting: Setting, order: Option<usize>) -> Allowed {
+    let tolerance = if let Setting::Tau(tau) = setting { tau } else { TOLERANCE };
+    Allowed::Harmonics(HarmonicsSettings::new(Basis::default(), Gradients::default(), tolerance, order))
+}
 
 /// The method of a name.
 pub fn find(name: &str) -> Option<&'static Method> {

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use render::cache::Spacing;
 use render::film::{Budget, Picture, render};
 use render::image::{write_picture, write_png};
 use render::inspect::overlay::show_records;
@@ -76,6 +77,12 @@ pub struct Args {
     /// Which harmonics: in the frame of the record, or in that of the world [default: hemispherical].
     #[arg(long, value_enum)]
     basis: Option<Basis>,
+    /// Records reach as far as the curvature of the light allows (Hessian), not as the distance of what they see.
+    #[arg(long)]
+    hessian: bool,
+    /// Records that differ by more than this fraction where they overlap reach less far (adaptive caching).
+    #[arg(long, value_name = "FRACTION", num_args = 0..=1, default_missing_value = "0.03")]
+    adaptive: Option<f32>,
     /// Quality of a cached rendering, the paper's tau: rays, spacing and number of sources follow
     /// [default: 0.02, or what --time allows].
     #[arg(long, value_name = "TAU")]
@@ -168,6 +175,7 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
     let settings = Settings {
         tolerance: args.tau,
         estimator: args.eas,
+        spacing: Spacing { hessian: args.hessian, adaptive: args.adaptive },
         budget,
         seed: args.seed,
         indirect_only: args.indirect_only,
@@ -266,6 +274,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
             bail!("{option} needs --method sh");
         }
+    }
+    if let Some(fraction) = args.adaptive {
+        ensure!((0.001..=1.0).contains(&fraction), "--adaptive needs a number from 0.001 to 1");
+    }
+    if matches!(args.method, Method::Path) && (args.hessian || args.adaptive.is_some()) {
+        bail!("--hessian and --adaptive need --method auto, eas, sh or irradiance: path tracing keeps no records");
     }
     for output in &args.output {
         let extension = output.extension().unwrap_or_default().to_ascii_lowercase();

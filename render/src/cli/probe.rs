@@ -2,6 +2,7 @@
 
 use super::image::{parse_define, with_progress};
 use anyhow::{Context, Result, ensure};
+use render::cache::Spacing;
 use render::image::{write_png, write_whole};
 use render::inspect::disk::{Disk, exposure};
 use render::inspect::{Compressed, DIRECTIONS, Place, chart, csv, exact, measure, sweep, tree};
@@ -82,21 +83,26 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let policy = Policy::new(&world.scene, Allowed::Eas, |recipe| tables.find(recipe))?;
     tables.notes.iter().for_each(|note| eprintln!("render: {note}"));
     let split = LightSplit::new(&world, false);
-    let builder =
-        Builder::new(&world, &policy, split.held.as_ref(), Quality::new(args.tau, Estimator::Improved), args.seed);
+    let builder = Builder::new(
+        &world,
+        &policy,
+        split.held.as_ref(),
+        Quality::new(args.tau, Estimator::Improved, Spacing::default()),
+        args.seed,
+    );
     let probe = with_progress(|progress| builder.probe(args.pixel, SAMPLES, progress))
         .with_context(|| args.scene.display().to_string())?;
     let reflector = probe.reflector();
     let place = Place { position: probe.point.at.p, frame: probe.frame, reflector, albedo: &probe.lobe.albedo };
 
     // Error against #EAS.
-    let quality = Quality::new(args.tau, args.eas);
+    let quality = Quality::new(args.tau, args.eas, Spacing::default());
     let directions = hemisphere_directions(DIRECTIONS);
     let truth = exact(&probe.uniform, &reflector, &directions, &|_| ());
     let curve = |e| sweep(&place, &tree(&probe.uniform, e), e, quality.directions, &directions, &truth);
     let (paper, improved) = (curve(Estimator::Paper), curve(Estimator::Improved));
     let guided_truth = exact(&probe.guided_samples, &reflector, &directions, &|_| ());
-    let most = Quality::new(args.tau, Estimator::Improved).cut.max_eas;
+    let most = Quality::new(args.tau, Estimator::Improved, Spacing::default()).cut.max_eas;
     let guided = measure(&probe.guided, &place, Estimator::Improved, most, &directions, &guided_truth);
 
     // The record of this tolerance.

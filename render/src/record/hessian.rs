@@ -40,7 +40,7 @@ impl Hessian {
     }
 
     /// Of a function of the displacement, by central differences of step `h`.
-    pub fn of(h: f32, f: impl Fn(f32, f32) -> f32) -> Self {
+    pub fn of(h: f32, mut f: impl FnMut(f32, f32) -> f32) -> Self {
         let (middle, over_h2) = (f(0.0, 0.0), 1.0 / (h * h));
         Self {
             xx: (f(h, 0.0) + f(-h, 0.0) - 2.0 * middle) * over_h2,

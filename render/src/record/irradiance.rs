@@ -1,6 +1,6 @@
 //! A record of irradiance with its gradients (Ward et al. 1988, Ward and Heckbert 1992), for diffuse surfaces.
 
-use super::Record;
+use super::{Hessian, Record, luminance};
 use crate::frame::Frame;
 use crate::gather::Incident;
 use crate::scene::Rgb;
@@ -51,6 +51,8 @@ pub struct Gathered {
     pub harmonic_mean: f32,
     /// Smallest distance.
     pub nearest: f32,
+    /// Second derivatives of the luminance of the irradiance in the tangent plane.
+    pub hessian: Hessian,
 }
 
 impl IrradianceRecord {
@@ -68,6 +70,8 @@ impl IrradianceRecord {
         let mut inverse_sum = 0.0;
         let mut nearest = f32::INFINITY;
         let (mut irradiance, mut rotation) = (Rgb::ZERO, [Vec3A::ZERO; 3]);
+        let share = PI / strata.count() as f32;
+        let mut hessian = Hessian::default();
         for j in 0..rings {
             for k in 0..sectors {
                 let number = j * sectors + k;
@@ -76,7 +80,8 @@ impl IrradianceRecord {
                 let sin2 = (j as f32 + u.x) / rings as f32;
                 let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).max(0.0).sqrt());
                 let (s, c) = (TAU * (k as f32 + u.y) / sectors as f32).sin_cos();
-                let found = incident(frame.to_world(Vec3A::new(sin * c, sin * s, cos)), number);
+                let direction = Vec3A::new(sin * c, sin * s, cos);
+                let found = incident(frame.to_world(direction), number);
                 let radiance = if found.radiance.is_finite() { found.radiance.max(Rgb::ZERO) } else { Rgb::ZERO };
                 irradiance += radiance;
                 let tan = sin / cos.max(1e-3);
@@ -84,12 +89,12 @@ impl IrradianceRecord {
                     *gradient += Vec3A::new(-s, c, 0.0) * (tan * radiance[channel]);
                 }
                 let distance = found.distance.max(f32::MIN_POSITIVE);
+                hessian.add(share * luminance(radiance), direction, distance, frame.to_local(found.normal));
                 inverse_sum += 1.0 / distance;
                 nearest = nearest.min(distance);
                 light.push((radiance, distance));
             }
         }
-        let share = PI / strata.count() as f32;
         let record = Self {
             position,
             normal: frame.normal(),
@@ -98,7 +103,7 @@ impl IrradianceRecord {
             translation: translation_gradient(&light, strata).map(|g| frame.to_world(g)),
             rotation: rotation.map(|g| frame.to_world(g * share)),
         };
-        Gathered { record, harmonic_mean: strata.count() as f32 / inverse_sum, nearest }
+        Gathered { record, harmonic_mean: strata.count() as f32 / inverse_sum, nearest, hessian }
     }
 
     /// E at another point and normal, to first order, never negative.

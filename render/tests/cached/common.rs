@@ -4,6 +4,7 @@ use brdf_tables::brdf::{Phong, Specular};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
 use glam::Vec3A;
+use render::cache::Spacing;
 use render::film::{Budget, Picture, render};
 use render::frame::Frame;
 use render::gather::{GatherSample, Incident, gather_cells};
@@ -73,6 +74,7 @@ pub fn cached(world: &World, allowed: Allowed, tolerance: f32, spp: u32) -> (Pic
     let settings = Settings {
         tolerance: Some(tolerance),
         estimator: Estimator::Improved,
+        spacing: Spacing::default(),
         budget: Budget::Samples(spp),
         seed: 1,
         indirect_only: false,

@@ -1,6 +1,7 @@
 //! Cache files: the same picture again, records kept as the camera moves, and files that are not what they should be.
 
 use crate::common::{table, world};
+use render::cache::Spacing;
 use render::film::Budget;
 use render::integrator::cached::file::{CacheFileError, load, save};
 use render::integrator::cached::policy::{Allowed, Policy};
@@ -19,6 +20,7 @@ fn settings() -> Settings {
     Settings {
         tolerance: Some(TAU),
         estimator: Estimator::Improved,
+        spacing: Spacing::default(),
         budget: Budget::Samples(2),
         seed: 3,
         indirect_only: false,

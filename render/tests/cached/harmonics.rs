@@ -3,6 +3,7 @@
 use crate::common::{cached, compare, gathered, phong, table, traced, world};
 use brdf_tables::brdf::{Phong, Specular};
 use glam::Vec3A;
+use render::cache::Spacing;
 use render::film::{Budget, Picture};
 use render::frame::Frame;
 use render::gather::{GatherSample, Incident, gather_uniform};
@@ -255,6 +256,7 @@ fn harmonic_records_survive_a_file() {
     let settings = Settings {
         tolerance: Some(0.1),
         estimator: Estimator::Improved,
+        spacing: Spacing::default(),
         budget: Budget::Samples(2),
         seed: 3,
         indirect_only: false,

@@ -1,6 +1,7 @@
 //! Whole pictures against the path tracer.
 
 use crate::common::{cached, compare, table, traced, world};
+use render::cache::Spacing;
 use render::film::Budget;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Settings, render_cached};
@@ -58,6 +59,7 @@ fn the_papers_estimator_draws_the_box() {
     let settings = Settings {
         tolerance: Some(0.1),
         estimator: Estimator::Paper,
+        spacing: Spacing::default(),
         budget: Budget::Samples(16),
         seed: 1,
         indirect_only: false,

@@ -7,9 +7,9 @@ use crate::chart::row::Row;
 use crate::chart::subject::Subject;
 use std::fmt::Write;
 
-/// Name of the method of harmonics, and of ours.
-const HARMONICS: &str = "sh";
-const EAS: &str = "eas";
+/// Names of the methods of harmonics, and of ours.
+const HARMONICS: [&str; 2] = ["sh", "sh-29"];
+const EAS: [&str; 1] = ["eas"];
 
 const HEAD: [&str; 8] =
     ["scene", "method", "glossy records", "KB per record", "order / EAS", "total MB", "time", "RMSE"];
@@ -54,10 +54,11 @@ pub fn section(results: &Results) -> Option<String> {
 
 /// Lines and sentence of a scene.
 fn of_scene(subject: &Subject, rows: &[&Row]) -> Option<(Vec<Vec<String>>, String)> {
-    let of = |method: &'static str| rows.iter().filter(move |r| r.method == method && r.glossy_records > 0);
-    let rc = of(HARMONICS).min_by(|a, b| (a.rmse, a.seconds).partial_cmp(&(b.rmse, b.seconds)).expect("finite"))?;
-    let equal_error = of(EAS).filter(|r| r.rmse <= rc.rmse).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let equal_memory = of(EAS).filter(|r| r.bytes <= rc.bytes).min_by(|a, b| a.rmse.total_cmp(&b.rmse));
+    let of =
+        |methods: &'static [&str]| rows.iter().filter(|r| methods.contains(&r.method.as_str()) && r.glossy_records > 0);
+    let rc = of(&HARMONICS).min_by(|a, b| (a.rmse, a.seconds).partial_cmp(&(b.rmse, b.seconds)).expect("finite"))?;
+    let equal_error = of(&EAS).filter(|r| r.rmse <= rc.rmse).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let equal_memory = of(&EAS).filter(|r| r.bytes <= rc.bytes).min_by(|a, b| a.rmse.total_cmp(&b.rmse));
     let line = |scene: &str, method: &str, r: &Row| {
         let numbers = [r.bytes_per_record / 1e3, r.size, r.bytes as f64 / 1e6];
         let [kb, size, mb] = numbers.map(|x| plain(&x));

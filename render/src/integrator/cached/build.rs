@@ -5,7 +5,7 @@ use super::incident::IncidentTracer;
 use super::points::{Point, pixel_point};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
-use crate::cache::{Cache, Grid, RadiusPolicy, clamp_to_neighbours, fill};
+use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, clamp_to_neighbours};
 use crate::camera::RayGenerator;
 use crate::film::widest;
 use crate::frame::Frame;
@@ -112,6 +112,10 @@ impl<'a> Builder<'a> {
         self.policy.treatment(point.material.0)
     }
 
+    pub(super) fn filler<'p>(&self, deadline: Option<Instant>, progress: Progress<'p>) -> Filler<'p> {
+        Filler { grid: self.grid, deadline, progress }
+    }
+
     #[allow(clippy::too_many_arguments)]
     fn fill_irradiance(
         &self,
@@ -137,13 +141,15 @@ impl<'a> Builder<'a> {
             let found = gather.irradiance(&frame, Strata::about(rays));
             self.rays.fetch_add(gather.rays, Ordering::Relaxed);
             let mut record = found.record;
-            // Where light changes fast, records are dense: but noise must not pass for change.
-            let reach = found.harmonic_mean.min(2.0 * record.gradient_limit().max(0.25 * found.harmonic_mean));
-            record.set_radius(radius.radius(reach, point.footprint));
+            record.set_radius(self.irradiance_radius(&found, radius, point.footprint));
             record.limit_gradient(found.harmonic_mean.max(record.radius()));
             Some((record, radius.min_pixels * point.footprint))
         };
-        fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
+        let adapt = |cache: &Cache<IrradianceRecord>, i: usize| {
+            let unwanted = self.points[i].as_ref().is_none_or(|p| !wanted(p));
+            if unwanted { Vec::new() } else { self.irradiance_disagreeing(cache, i, radius) }
+        };
+        self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
     }
 
     fn fill_eas(
@@ -173,7 +179,8 @@ impl<'a> Builder<'a> {
             self.rays.fetch_add(rays, Ordering::Relaxed);
             Some((record, quality.eas.min_pixels * point.footprint))
         };
-        fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
+        let adapt = |cache: &Cache<EasRecord>, i: usize| self.eas_disagreeing(cache, i);
+        self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
     }
 
     /// The record of what pixel `i` shows, its tree's samples, and the rays they took.
@@ -212,7 +219,7 @@ impl<'a> Builder<'a> {
         let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
         let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
         let policy = RadiusPolicy { max_pixels: reach, ..quality.eas };
-        record.set_radius(policy.radius(1.0 / nearest, point.footprint));
+        record.set_radius(self.eas_radius(&record, point, 1.0 / nearest, policy));
         samples.shrink_to_fit();
         Some((record, samples, gather.rays))
     }

@@ -7,6 +7,7 @@
 use super::Settings;
 use super::caches::Caches;
 use super::policy::Policy;
+use crate::cache::Spacing;
 use crate::record::Record;
 use crate::record::eas::{Eas, EasRecord, Estimator};
 use crate::record::harmonics::HarmonicsRecord;
@@ -19,7 +20,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BURNREC\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const MAX_HEADER: usize = 1 << 16;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
@@ -47,6 +48,7 @@ struct Header {
     camera: u64,
     estimator: Estimator,
     tolerance: f32,
+    spacing: Spacing,
     indirect_only: bool,
     coarse: u64,
     irradiance: u64,
@@ -58,7 +60,7 @@ struct Header {
 pub struct Loaded {
     /// The records.
     pub caches: Caches,
-    /// Whether camera and τ are those the file was made for.
+    /// Whether camera, τ and spacing are those the file was made for.
     pub complete: bool,
 }
 
@@ -75,6 +77,7 @@ fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -
         camera,
         estimator: settings.estimator,
         tolerance,
+        spacing: settings.spacing,
         indirect_only: settings.indirect_only,
         coarse: 0,
         irradiance: 0,
@@ -201,7 +204,9 @@ pub fn load(
     if reader.bytes.len() != 4 {
         return Err(CacheFileError::Format("bytes left over"));
     }
-    Ok(Loaded { caches, complete: found.camera == wanted.camera && found.tolerance == wanted.tolerance })
+    let complete =
+        found.camera == wanted.camera && found.tolerance == wanted.tolerance && found.spacing == wanted.spacing;
+    Ok(Loaded { caches, complete: complete })
 }
 
 struct Reader<'a> {

@@ -6,7 +6,7 @@ use super::points::Point;
 use super::policy::Treatment;
 use super::shade::Shader;
 use crate::bsdf::Split;
-use crate::cache::{Cache, RadiusPolicy, Weight, fill};
+use crate::cache::{Cache, RadiusPolicy, Weight};
 use crate::frame::Frame;
 use crate::record::eas::mean_radiance;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
@@ -48,7 +48,8 @@ impl Builder<'_> {
             self.rays.fetch_add(rays, Ordering::Relaxed);
             Some((record, self.quality.eas.min_pixels * point.footprint))
         };
-        fill(cache, self.grid, deadline, covered, make, insert_clamped, progress);
+        let adapt = |cache: &Cache<HarmonicsRecord>, i: usize| self.harmonics_disagreeing(cache, i);
+        self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
     }
 
     /// The record of what pixel `i` shows, and the rays it took.

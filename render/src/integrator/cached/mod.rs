@@ -11,7 +11,9 @@ pub mod policy;
 mod probe;
 mod settings;
 mod shade;
+mod spacing;
 
+use crate::cache::Spacing;
 use crate::camera::RayGenerator;
 use crate::film::{Budget, Picture, Pixel, widest};
 use crate::record::Scratch;
@@ -42,6 +44,8 @@ pub struct Settings {
     pub tolerance: Option<f32>,
     /// How sources are moved and summed.
     pub estimator: Estimator,
+    /// How far records reach.
+    pub spacing: Spacing,
     /// Samples per pixel, or seconds.
     pub budget: Budget,
     /// Seed of all sample points.
@@ -115,7 +119,7 @@ pub fn render_cached(
     let split = LightSplit::new(world, settings.indirect_only);
     let (kept, complete) = kept.map_or((None, false), |k| (Some(k.caches), k.complete));
     let build = |tolerance: f32, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)| {
-        let quality = Quality::new(tolerance, settings.estimator);
+        let quality = Quality::new(tolerance, settings.estimator, settings.spacing);
         (
             quality,
             Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(
@@ -135,7 +139,7 @@ pub fn render_cached(
         (tolerance, _) if complete => {
             let tolerance = tolerance.unwrap_or(TOLERANCE);
             let caches = kept.clone().expect("complete caches are there");
-            (tolerance, (Quality::new(tolerance, settings.estimator), caches))
+            (tolerance, (Quality::new(tolerance, settings.estimator, settings.spacing), caches))
         }
         (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
         (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),

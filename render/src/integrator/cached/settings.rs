@@ -1,6 +1,6 @@
 //! One knob for the quality of a cached rendering.
 
-use crate::cache::{RadiusPolicy, Weight};
+use crate::cache::{RadiusPolicy, Spacing, Weight};
 use crate::record::CutSettings;
 use crate::record::eas::Estimator;
 
@@ -36,20 +36,24 @@ pub struct Quality {
     pub directions: usize,
     /// Weights of the records.
     pub weight: Weight,
+    /// What else decides how far they reach.
+    pub spacing: Spacing,
+    /// Mean error, over the light, that the second-order term may have within a radius that follows the Hessian.
+    pub curvature: f32,
 }
 
 impl Quality {
     /// Rays, spacing and number of sources for the tolerance τ: the error of independent records falls with the root of the
     /// rays, so half the tolerance takes four times as many, spread over records that are closer and rays of each.
-    pub fn new(tolerance: f32, estimator: Estimator) -> Self {
+    pub fn new(tolerance: f32, estimator: Estimator, spacing: Spacing) -> Self {
         let finer = TOLERANCE / tolerance;
         let rays = |n: f32| (n * finer).round().clamp(1.0, 65_536.0) as u32;
         // Areas, not radii, are inverse to the number of records.
-        let spacing = finer.sqrt().sqrt();
+        let closer = finer.sqrt().sqrt();
         let radius = |scale: f32, min: f32, max: f32| RadiusPolicy {
-            scale: scale / spacing,
-            min_pixels: (min / spacing).max(0.75),
-            max_pixels: (max / spacing).max(2.0),
+            scale: scale / closer,
+            min_pixels: (min / closer).max(0.75),
+            max_pixels: (max / closer).max(2.0),
         };
         Self {
             estimator,
@@ -59,7 +63,7 @@ impl Quality {
             coarse: radius(0.7, 8.0, 40.0),
             rays_per_cell: rays(4.0),
             paper_rays: 4096,
-            fineness: 0.7 / spacing.clamp(0.7, 1.4),
+            fineness: 0.7 / closer.clamp(0.7, 1.4),
             max_cells: 1024,
             eas: match estimator {
                 Estimator::Improved => radius(0.6, 2.5, 14.0),
@@ -75,6 +79,8 @@ impl Quality {
                 Estimator::Improved => Weight::Smooth,
                 Estimator::Paper => Weight::Ward,
             },
+            spacing,
+            curvature: 2.0 * tolerance,
         }
     }
 }

@@ -1,0 +1,41 @@
+//! Radii by curvature, and radii that shrink where records disagree, beside radii by distance.
+
+use crate::common::{compare, table, traced, world};
+use render::cache::{Spacing, WEBER_FRACTION};
+use render::film::Budget;
+use render::integrator::cached::policy::{Allowed, Policy};
+use render::integrator::cached::{Settings, render_cached};
+use render::record::eas::Estimator;
+
+#[test]
+fn every_spacing_draws_the_scenes() {
+    let ways = [
+        ("distance", Spacing::default()),
+        ("hessian", Spacing { hessian: true, adaptive: None }),
+        ("adaptive", Spacing { hessian: false, adaptive: Some(5.0 * WEBER_FRACTION) }),
+    ];
+    for scene in ["cornell-diffuse.xml", "floor-n20.xml"] {
+        let world = world(scene, &[("width", "40"), ("height", "40")]);
+        let policy = Policy::new(&world.scene, Allowed::Eas, |r| Ok::<_, ()>(table(r))).expect("tables fit");
+        let reference = traced(&world, 256);
+        let mut counts = Vec::new();
+        for (name, spacing) in ways {
+            let settings = Settings {
+                tolerance: Some(0.1),
+                estimator: Estimator::Improved,
+                spacing,
+                budget: Budget::Samples(8),
+                seed: 1,
+                indirect_only: false,
+            };
+            let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
+            let (error, bias) = compare(&picture, &reference);
+            let records = figures.eas_records + figures.irradiance_records;
+            println!("{scene}, {name}: {records} records, rel_mse {error:.4}, bias {:.2} %", 100.0 * bias);
+            assert!(error < 0.02 && bias.abs() < 0.03, "{scene}, {name}: {error} {bias}");
+            counts.push(records);
+        }
+        // Shrinking makes room for more records.
+        assert!(counts[2] > counts[0], "{scene}: {counts:?}");
+    }
+}
