@@ -105,7 +105,7 @@ fn orthographic_sensors() {
     let deep = at("<scale x='2' y='2' z='4'/>").unwrap().0.camera;
     assert_eq!((deep.near, deep.far), (2.0, 10.5));
     for (wrong, what) in
-        [("<scale x='2' y='3'/>", "distorts"), ("<scale x='0'/>", "<sensor"), ("<scale z='0'/>", "<sensor")]
+        [("<scale x='2' y='3'/>", "distorts"), ("<scale x='0'/>", "singular"), ("<scale z='0'/>", "singular")]
     {
         let e = at(wrong).unwrap_err();
         assert!(e.contains(what), "{e}");
