@@ -31,6 +31,16 @@ impl Frame {
         }
     }
 
+    /// The frame of these orthonormal axes; z is the normal. They are not checked.
+    pub fn from_axes(x: Vec3A, y: Vec3A, z: Vec3A) -> Self {
+        Self { axes: Mat3A::from_cols(x, y, z) }
+    }
+
+    /// The axes x, y and z.
+    pub fn axes(&self) -> [Vec3A; 3] {
+        [self.axes.x_axis, self.axes.y_axis, self.axes.z_axis]
+    }
+
     /// The normal.
     #[inline]
     pub fn normal(&self) -> Vec3A {

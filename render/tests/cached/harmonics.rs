@@ -29,7 +29,7 @@ fn specular(exponent: f64) -> Specular {
 
 /// Many stratified samples of light given by direction.
 fn dense(frame: &Frame, light: impl Fn(Vec3A) -> Incident) -> Vec<GatherSample> {
-    gather_uniform(frame, 40_000, |i| Sampler::new(5, (3, 4), i).next_2d(), |d, _| light(d))
+    gather_uniform(frame, 20_000, |i| Sampler::new(5, (3, 4), i).next_2d(), |d, _| light(d))
 }
 
 /// Σ L f_r cosθ Ω over samples, with the normal and view of another point: (irradiance, specular).
@@ -172,19 +172,26 @@ fn pictures_agree_with_the_path_tracer() {
     }
 }
 
-/// Rough metal of coloured Fresnel term and a curved surface, whose records are turned: as near to the path tracer as with EAS.
+/// Rough metal of coloured Fresnel term, an anisotropic lobe and curved surfaces, whose records are turned: as near to the path
+/// tracer as EAS come, which share everything but the representation, and with the bias that they have.
 #[test]
-fn curved_and_coloured_materials_agree_with_the_path_tracer() {
-    for (scene, bound) in [("preview.xml", 0.02), ("materials.xml", 0.02)] {
-        let world = world(scene, &[("width", "48"), ("height", "48")]);
+fn curved_and_coloured_materials_are_drawn_as_well_as_with_eas() {
+    for (scene, bound) in [("preview.xml", 0.004), ("materials.xml", 0.006)] {
+        let world = world(scene, &[("width", "40"), ("height", "40")]);
         let reference = traced(&world, 256);
+        let (eas, eas_bias) = compare(&cached(&world, Allowed::Eas, 0.03, 32).0, &reference);
         for basis in BASES {
             let allowed = Allowed::Harmonics(HarmonicsSettings::new(basis, Gradients::Analytic, 0.03, None));
             let (picture, figures) = cached(&world, allowed, 0.03, 32);
             let (error, bias) = compare(&picture, &reference);
             let records = figures.harmonics_records;
-            println!("{scene}, {basis:?}: rel_mse {error:.4}, bias {:.2} %, {records} records", 100.0 * bias);
-            assert!(records > 50 && error < bound && bias.abs() < 0.02, "{scene} {basis:?}: {error} {bias}");
+            println!(
+                "{scene}, {basis:?}: rel_mse {error:.4}, bias {:.2} %, {records} records; EAS {eas:.4}, {:.2} %",
+                100.0 * bias,
+                100.0 * eas_bias
+            );
+            assert!(records > 50 && error < bound && error < 1.3 * eas + 2e-4, "{scene} {basis:?}: {error} {eas}");
+            assert!((bias - eas_bias).abs() < 0.005, "{scene} {basis:?}: {bias} {eas_bias}");
         }
     }
 }
@@ -197,7 +204,7 @@ fn gradients_make_pictures_better() {
         let scale = 1.0 / f64::from(picture.spp);
         picture.pixels.iter().map(|p| f64::from(p.sum.indirect.glossy.y) * scale).collect()
     };
-    let reference = glossy(&traced(&world, 1024));
+    let reference = glossy(&traced(&world, 512));
     let error = |gradients: Gradients| -> f64 {
         let settings = HarmonicsSettings::new(Basis::Hemispherical, gradients, 0.02, None);
         let found = glossy(&cached(&world, Allowed::Harmonics(settings), 0.02, 16).0);

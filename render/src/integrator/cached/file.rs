@@ -2,12 +2,13 @@
 //!
 //! Little-endian: magic (8 bytes), version and header length (u32), header (bincode, at most 64 KiB), records, CRC-32 of all
 //! before it. Irradiance records are 28 f32; an EAS record is 12 numbers of 4 bytes and its sources of 40 bytes; a harmonic
-//! record is position, normal, tangent and radius, material, order and count (10 f32, 3 u32), and its coefficients (f32).
+//! record is position, axes of its frame and radius (13 f32), material, order and count (u32), and its coefficients (f32).
 
 use super::Settings;
 use super::caches::Caches;
 use super::policy::Policy;
 use crate::cache::Spacing;
+use crate::frame::Frame;
 use crate::record::Record;
 use crate::record::eas::{Eas, EasRecord, Estimator};
 use crate::record::harmonics::HarmonicsRecord;
@@ -128,10 +129,9 @@ pub fn save(
         record.sources.iter().for_each(|s| bytes.extend(s.to_bytes()));
     }
     for record in caches.harmonics.records() {
-        let (p, frame) = (record.position(), record.frame());
-        let (n, t) = (frame.normal(), frame.to_world(Vec3A::X));
-        let words = [p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, record.radius()];
-        words.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        let vectors = core::iter::once(record.position()).chain(record.frame().axes());
+        vectors.flat_map(|v| v.to_array()).for_each(|x| bytes.extend(x.to_le_bytes()));
+        bytes.extend(record.radius().to_le_bytes());
         let counts = [record.material, record.order() as u32, record.numbers().len() as u32];
         counts.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
         record.numbers().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
@@ -254,7 +254,8 @@ impl<'a> Reader<'a> {
     }
 
     fn harmonics(&mut self, materials: u32) -> Result<HarmonicsRecord, CacheFileError> {
-        let [px, py, pz, nx, ny, nz, tx, ty, tz, radius] = self.numbers()?;
+        let vectors: [f32; 12] = self.numbers()?;
+        let [radius] = self.numbers()?;
         let (material, order, count) = (self.word()?, self.word()?, self.word()?);
         if material >= materials {
             return Err(CacheFileError::Format("a record of no material"));
@@ -265,8 +266,9 @@ impl<'a> Reader<'a> {
         if numbers.iter().any(|x| !x.is_finite()) {
             return Err(CacheFileError::Format("a number is not finite"));
         }
-        let (position, normal, tangent) = ([px, py, pz], [nx, ny, nz], [tx, ty, tz]);
-        HarmonicsRecord::restored(position, normal, tangent, radius, material, order, numbers)
+        let vector = |i: usize| Vec3A::from_slice(&vectors[3 * i..]);
+        let frame = Frame::from_axes(vector(1), vector(2), vector(3));
+        HarmonicsRecord::restored(vector(0), frame, radius, material, order, numbers)
             .ok_or(CacheFileError::Format("a record of no order"))
     }
 }

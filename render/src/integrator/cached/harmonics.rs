@@ -64,16 +64,18 @@ impl Builder<'_> {
         let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
         let policy = RadiusPolicy { max_pixels: reach, ..self.quality.eas };
         let radius = policy.radius(1.0 / nearest, point.footprint);
-        let order = order_for(brdf, &views);
+        let order = order_for(brdf, &frame, &views);
         let settings = self.policy.projection.as_ref()?;
         let record = HarmonicsRecord::new(point.at.p, &frame, radius, point.material.0, &samples, order, settings);
-        Some((record, gather.rays))
+        // Radiance near the end of the range of its numbers may have none left for its gradients.
+        record.numbers().iter().all(|x| x.is_finite()).then_some((record, gather.rays))
     }
 }
 
 /// Largest order that the views of a record read it with ("equal to the order of the BRDF", §4.2).
-fn order_for(brdf: &HarmonicBrdf, views: &[View]) -> usize {
-    let local = |v: &View| Frame::from_normal(v.normal).to_local(v.wo);
+fn order_for(brdf: &HarmonicBrdf, frame: &Frame, views: &[View]) -> usize {
+    let tangent = frame.to_world(Vec3A::X);
+    let local = |v: &View| Frame::with_tangent(v.normal, tangent).to_local(v.wo);
     views.iter().map(|v| brdf.outgoing(local(v)).order).max().unwrap_or(1)
 }
 

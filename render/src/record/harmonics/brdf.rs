@@ -164,7 +164,7 @@ impl HarmonicBrdf {
         }
     }
 
-    /// Smallest and largest order of the cached directions, weighted share of the others, and largest error of the cached.
+    /// Orders, errors and treatment of the map.
     pub fn summary(&self) -> Summary {
         let cached = || self.texels.iter().filter(|t| t.cached);
         Summary {
@@ -181,7 +181,7 @@ impl HarmonicBrdf {
 pub struct Summary {
     /// Smallest and largest order of the cached directions.
     pub orders: (usize, usize),
-    /// Share of the directions that are not cached.
+    /// Share of the texels that are not cached.
     pub traced: f32,
     /// Largest error of the cached directions.
     pub error: f32,

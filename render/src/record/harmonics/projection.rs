@@ -228,7 +228,6 @@ mod tests {
     use crate::gather::Incident;
     use crate::record::harmonics::MAX_ORDER;
     use brdf_tables::gauss::gauss_legendre;
-    use glam::DVec3;
 
     const ALL: [(Basis, Gradients); 4] = [
         (Basis::Hemispherical, Gradients::Analytic),
@@ -314,7 +313,7 @@ mod tests {
                         .iter()
                         .map(|s| {
                             let d = if basis == Basis::Spherical { frame.to_world(s.direction) } else { s.direction };
-                            f64::from(s.radiance.y * s.solid_angle) * basis.value(l, m, DVec3::from(d.as_dvec3()))
+                            f64::from(s.radiance.y * s.solid_angle) * basis.value(l, m, d.as_dvec3())
                         })
                         .sum();
                     let at = if m >= 0 { l * l + m as usize } else { l * l + l + m.unsigned_abs() as usize };

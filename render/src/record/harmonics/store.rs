@@ -42,17 +42,14 @@ impl HarmonicsRecord {
 
     /// A record as a file holds it; `None` if the count of the numbers is none of a record.
     pub fn restored(
-        position: [f32; 3],
-        normal: [f32; 3],
-        tangent: [f32; 3],
+        position: Vec3A,
+        frame: Frame,
         radius: f32,
         material: u32,
         order: u32,
         numbers: Box<[f32]>,
     ) -> Option<Self> {
-        let [position, normal, tangent] = [position, normal, tangent].map(Vec3A::from_array);
         let size = (order as usize).checked_mul(order as usize)?;
-        let frame = Frame::with_tangent(normal, tangent);
         let fits = (1..=MAX_ORDER as u32).contains(&order) && (numbers.len() == 3 * size || numbers.len() == 9 * size);
         fits.then_some(Self { position, frame, radius, material, order: order as u8, numbers })
     }
