@@ -43,16 +43,17 @@ fn verdict(row: &Row) -> (&'static str, String) {
 pub fn section(results: &Results) -> String {
     let mut lines = Vec::new();
     let mut counts: Vec<(String, [usize; 3], usize)> = Vec::new();
-    let mut ours_worst = Vec::new();
+    let (mut ours_worst, mut named) = (Vec::new(), None);
     for subject in &results.subjects {
         let rows: Vec<&Row> = results.of(subject).collect();
         let worst = rows.iter().max_by(|a, b| a.blocks.total_cmp(&b.blocks)).filter(|r| r.blocks >= RANKED);
         for (i, name) in methods(rows.iter().copied()).into_iter().enumerate() {
             for row in rows.iter().filter(|r| r.method == name) {
                 let (class, words) = verdict(row);
-                let is_worst = worst.is_some_and(|w| w.key() == row.key());
+                // Methods that do the same in a scene share the place.
+                let is_worst = worst.is_some_and(|w| w.blocks == row.blocks);
                 let ours = method::find(name).is_some_and(|m| m.ours);
-                if is_worst && ours {
+                if is_worst && ours && named.replace(&subject.name) != Some(&subject.name) {
                     ours_worst.push(format!("{} ({name}, {})", subject.name, plain(&row.blocks)));
                 }
                 let known = counts.iter().position(|c| c.0 == name).unwrap_or_else(|| {
