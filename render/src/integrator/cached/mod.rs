@@ -6,6 +6,7 @@ mod direct;
 pub mod file;
 mod harmonics;
 mod incident;
+mod pace;
 mod points;
 pub mod policy;
 mod probe;
@@ -27,6 +28,7 @@ pub use caches::Caches;
 use fearless_simd::Level;
 use file::Loaded;
 pub use incident::IncidentTracer;
+use pace::{PASS, Pace, TRIAL_ROWS};
 pub use points::{PixelCone, Point};
 use policy::Policy;
 pub use probe::{Probe, ProbeError};
@@ -86,24 +88,22 @@ pub struct Figures {
 /// Share of a time budget that filling may use.
 const FILL_SHARE: f64 = 0.5;
 
-/// τ of the trial from whose time that of the rest is guessed.
-const TRIAL_TOLERANCE: f32 = 0.2;
+/// τ of the first fill, from whose time that of a second is guessed. A coarser one is hardly cheaper (τ = 0.2 takes 0.6 to 0.9 of
+/// the time, for a bias of 1 %).
+const FIRST_TOLERANCE: f32 = 0.1;
 
-/// Share of the trial's cost that does not depend on τ (measured on the glossy box); the rest grows with
-/// τ^−3/2: rays are inverse to τ, and so is the square of the number of records.
-const CONSTANT_SHARE: f64 = 0.8;
+/// Below that τ the time of a fill grows with τ^−1.1 (measured on the glossy box, the material preview, the dragon and the
+/// staircase).
+const COST_EXPONENT: f64 = 1.1;
 
 /// Share of the time left that the second fill is planned for: the guess is rough.
 const FILL_MARGIN: f64 = 0.8;
 
-/// A second fill must bring τ below this share of the trial's.
+/// A second fill must bring τ below this share of the first one's.
 const WORTH_A_SECOND_FILL: f32 = 0.7;
 
 /// No budget of time asks for less.
 const SMALLEST_TOLERANCE: f32 = 0.002;
-
-/// Samples per pixel of one pass.
-const PASS: u32 = 8;
 
 /// Fills caches for the camera of a world and renders with them. `progress` is told the share of the work done.
 ///
@@ -144,18 +144,16 @@ pub fn render_cached(
         (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
         (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
         (None, Some(end)) => {
-            // A cheap trial tells what τ the time allows.
-            let trial = Instant::now();
-            let filled = build(TRIAL_TOLERANCE, Some(end), &|_| ());
-            let spent = trial.elapsed().as_secs_f64();
+            let first = Instant::now();
+            let filled = build(FIRST_TOLERANCE, Some(end), &report);
+            let spent = first.elapsed().as_secs_f64();
             let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-            let variable = (1.0 - CONSTANT_SHARE) * spent / (FILL_MARGIN * left - CONSTANT_SHARE * spent).max(1e-6);
-            let tolerance = TRIAL_TOLERANCE * variable.powf(2.0 / 3.0) as f32;
-            if tolerance < WORTH_A_SECOND_FILL * TRIAL_TOLERANCE {
-                let tolerance = tolerance.max(SMALLEST_TOLERANCE);
+            let share = (spent / (FILL_MARGIN * left).max(1e-6)).powf(1.0 / COST_EXPONENT) as f32;
+            if share < WORTH_A_SECOND_FILL {
+                let tolerance = (FIRST_TOLERANCE * share).max(SMALLEST_TOLERANCE);
                 (tolerance, build(tolerance, Some(end), &report))
             } else {
-                (TRIAL_TOLERANCE, filled)
+                (FIRST_TOLERANCE, filled)
             }
         }
     };
@@ -198,18 +196,46 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
     let mut surfaces: Vec<Vec<Surface>> = vec![Vec::new(); count];
     let (mut spp, mut rays) = (0, shader.caches.rays);
     let width = window.width as usize;
-    let shading = Instant::now();
     let level = Level::new();
+    // Indirect light of a row: rays, and pixels where it is negative.
+    let indirect_row = |y: usize, row: &mut [Pixel], surfaces: &[Vec<Surface>], scratch: &mut Scratch| {
+        let (mut rays, mut negative) = (0, 0);
+        widest(
+            level,
+            #[inline(always)]
+            || {
+                for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                    let at = (window.x + x as u32, window.y + y as u32);
+                    let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
+                    let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
+                    if indirect.sum().is_finite() {
+                        pixel.sum.indirect = pixel.sum.indirect + indirect;
+                        // Records may ring; a pixel never shines less than not at all.
+                        if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
+                            negative += 1;
+                            pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
+                        }
+                    }
+                }
+            },
+        );
+        (u64::from(rays), negative)
+    };
+    let mut pace = match settings.budget {
+        Budget::Time(limit) => Some(Pace::new(start + limit)),
+        _ => None,
+    };
     // Direct light in passes, until the samples or the time left for them are used up.
     loop {
-        let pass = match settings.budget {
-            Budget::Samples(n) => PASS.min(n.saturating_sub(spp)),
-            Budget::Time(limit) => time_for(limit, start, shading, spp),
-            Budget::Error(_) => 0,
+        let pass = match (settings.budget, &pace) {
+            (Budget::Samples(n), _) => PASS.min(n.saturating_sub(spp)),
+            (_, Some(pace)) => pace.next(),
+            _ => 0,
         };
         if pass == 0 {
             break;
         }
+        let passing = Instant::now();
         let traced: u64 = pixels
             .par_chunks_mut(width)
             .zip(surfaces.par_chunks_mut(width))
@@ -241,56 +267,32 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             .sum();
         rays += traced;
         spp += pass;
+        if let Some(pace) = &mut pace {
+            let (direct, trial) = (passing.elapsed(), Instant::now());
+            let rows: Vec<_> = (TRIAL_ROWS / 2..window.height as usize).step_by(TRIAL_ROWS).collect();
+            rows.par_iter().for_each_init(Scratch::default, |scratch, &y| {
+                let row = y * width..(y + 1) * width;
+                indirect_row(y, &mut pixels[row.clone()].to_vec(), &surfaces[row], scratch);
+            });
+            pace.note(pass, direct, trial.elapsed());
+        }
         if let Budget::Samples(n) = settings.budget {
             progress(0.7 * f64::from(spp) / f64::from(n));
         }
     }
     // Indirect light once per surface in a pixel.
-    let (rows, negative) = (AtomicU64::new(0), AtomicU64::new(0));
-    let traced: u64 = pixels
+    let rows = AtomicU64::new(0);
+    let (traced, negative) = pixels
         .par_chunks_mut(width)
         .zip(surfaces.par_chunks(width))
         .enumerate()
         .map_init(Scratch::default, |scratch, (y, (row, surfaces))| {
-            let mut rays = 0;
-            widest(
-                level,
-                #[inline(always)]
-                || {
-                    for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                        let at = (window.x + x as u32, window.y + y as u32);
-                        let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
-                        let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
-                        if indirect.sum().is_finite() {
-                            pixel.sum.indirect = pixel.sum.indirect + indirect;
-                            // Records may ring; a pixel never shines less than not at all.
-                            if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
-                                negative.fetch_add(1, Ordering::Relaxed);
-                                pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
-                            }
-                        }
-                    }
-                },
-            );
+            let found = indirect_row(y, row, surfaces, scratch);
             let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
             progress(0.7 + 0.3 * done as f64 / f64::from(window.height));
-            u64::from(rays)
+            found
         })
-        .sum();
+        .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     let picture = Picture { width: window.width, height: window.height, pixels, spp, passes: 0, rays: rays + traced };
-    (picture, negative.into_inner())
+    (picture, negative)
 }
-
-/// Samples of the next pass that fit into the time, with as much set aside for indirect light as direct light of a pass of
-/// a few samples takes.
-fn time_for(limit: Duration, start: Instant, shading: Instant, spp: u32) -> u32 {
-    if spp == 0 {
-        return 2;
-    }
-    let per_sample = shading.elapsed().as_secs_f64() / f64::from(spp);
-    let left = limit.as_secs_f64() - start.elapsed().as_secs_f64() - INDIRECT_SAMPLES * per_sample;
-    ((left / per_sample).max(0.0) as u32).min(PASS)
-}
-
-/// Indirect light of a pixel costs about as much as this many samples of direct light.
-const INDIRECT_SAMPLES: f64 = 2.5;
