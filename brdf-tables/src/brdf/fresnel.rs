@@ -51,29 +51,24 @@ impl Fresnel {
 /// [`Fresnel::gray`] as a polynomial of u = cos (1 + b)/(cos + b), which spreads the steep rise next to grazing: two square
 /// roots and two divisions less in the innermost loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct GrayPolynomial {
-    bend: f64,
-    powers: [f64; DEGREE + 1],
-}
+pub(crate) struct GrayPolynomial([f64; DEGREE + 1]);
 
 const DEGREE: usize = 8;
-/// b for metals and glasses, and for Schlick's polynomial, which is one already.
-const BENDS: [f64; 2] = [0.3, 1e4];
+const BEND: f64 = 0.3;
 /// Largest relative error with which the polynomial stands for the reflectance; most have 3e-5.
 const POLYNOMIAL_ERROR: f64 = 1e-3;
 
 impl GrayPolynomial {
     /// Interpolates at the Chebyshev points of [0, 1]; `None` where the reflectance is not that smooth (an index so large
-    /// that its dip lies next to grazing).
+    /// that its dip lies next to grazing), and for Schlick's formula, which is cheap already.
     pub(crate) fn new(fresnel: &Fresnel) -> Option<Self> {
-        BENDS.iter().find_map(|&bend| Self::bent(fresnel, bend))
-    }
-
-    fn bent(fresnel: &Fresnel, bend: f64) -> Option<Self> {
+        if !matches!(fresnel, Fresnel::Conductor { .. }) {
+            return None;
+        }
         let point = |i: usize| 0.5 - 0.5 * (core::f64::consts::PI * (i as f64 + 0.5) / (DEGREE + 1) as f64).cos();
         let x: [f64; DEGREE + 1] = core::array::from_fn(point);
         // Newton's divided differences, expanded to powers.
-        let mut table = x.map(|u| fresnel.gray(bend * u / (1.0 + bend - u)));
+        let mut table = x.map(|u| fresnel.gray(BEND * u / (1.0 + BEND - u)));
         for step in 1..=DEGREE {
             for i in (step..=DEGREE).rev() {
                 table[i] = (table[i] - table[i - 1]) / (x[i] - x[i - step]);
@@ -86,7 +81,7 @@ impl GrayPolynomial {
             }
             powers[0] = table[i] - powers[0] * x[i];
         }
-        let polynomial = Self { bend, powers };
+        let polynomial = Self(powers);
         let fits = |i: i32| {
             let cos = f64::from(i) / 200.0;
             let exact = fresnel.gray(cos);
@@ -97,8 +92,8 @@ impl GrayPolynomial {
 
     #[inline(always)]
     pub(crate) fn at<T: Real>(&self, cos: T) -> T {
-        let u = cos * (cos + cos.lit(self.bend)).recip() * cos.lit(1.0 + self.bend);
-        self.powers.iter().rev().skip(1).fold(u.lit(self.powers[DEGREE]), |sum, &c| sum.mul_add(u, u.lit(c)))
+        let u = cos * (cos + cos.lit(BEND)).recip() * cos.lit(1.0 + BEND);
+        self.0.iter().rev().skip(1).fold(u.lit(self.0[DEGREE]), |sum, &c| sum.mul_add(u, u.lit(c)))
     }
 }
 
@@ -142,7 +137,7 @@ mod tests {
         let aluminium = conductor([1.66, 0.88, 0.52], [9.22, 6.27, 4.84]);
         let plastic = conductor([1.5; 3], [0.01; 3]);
         let water = conductor([1.33; 3], [0.01; 3]);
-        for fresnel in [gold, aluminium, plastic, water, Fresnel::Schlick { f0: [0.04; 3] }, Fresnel::None] {
+        for fresnel in [gold, aluminium, plastic, water] {
             let polynomial = GrayPolynomial::new(&fresnel).expect("smooth");
             let error = |i: i32| {
                 let cos = (f64::from(i) + 0.37) / 5001.0;

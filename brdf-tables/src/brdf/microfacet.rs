@@ -239,10 +239,10 @@ impl Microfacet {
         match (self.distribution, self.fresnel, gray) {
             (Distribution::Ggx, Fresnel::None, _) => visitor.visit(&Facets::<true, _>(self, &Mirror)),
             (Distribution::Ggx, _, Some(gray)) => visitor.visit(&Facets::<true, _>(self, gray)),
+            (Distribution::Ggx, fresnel, None) => visitor.visit(&Facets::<true, _>(self, &fresnel)),
             (Distribution::Beckmann, Fresnel::None, _) => visitor.visit(&Facets::<false, _>(self, &Mirror)),
             (Distribution::Beckmann, _, Some(gray)) => visitor.visit(&Facets::<false, _>(self, gray)),
-            // Too rare to be worth compiling for each distribution.
-            _ => visitor.visit(self),
+            (Distribution::Beckmann, fresnel, None) => visitor.visit(&Facets::<false, _>(self, &fresnel)),
         }
     }
 }
