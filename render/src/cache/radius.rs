@@ -5,12 +5,24 @@ use crate::record::Record;
 use glam::Vec3A;
 
 /// What else than distances decides how far records reach.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Spacing {
     /// Radii follow the curvature of the light (its Hessian) instead of the distance of what is seen.
     pub hessian: bool,
     /// Records that differ by more than this fraction where they overlap reach less far ([`super::disagreeing`]).
     pub adaptive: Option<f32>,
+}
+
+impl Spacing {
+    /// Radii by distance alone, as in 2015.
+    pub const DISTANCE: Self = Self { hessian: false, adaptive: None };
+}
+
+/// By curvature: an extrapolation by gradients lies above every dome of light, 2 to 3 % where radii follow distances.
+impl Default for Spacing {
+    fn default() -> Self {
+        Self { hessian: true, adaptive: None }
+    }
 }
 
 /// Radius of a record from the distance of what it sees, kept between bounds in pixels.

@@ -37,49 +37,49 @@ pub const METHODS: &[Method] = &[
     Method {
         name: "irradiance",
         about: "irradiance records on diffuse surfaces, path tracing of glossy ones",
-        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, DISTANCE),
+        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, CURVATURE),
         ours: false,
         swept: true,
     },
     Method {
         name: "sh",
         about: "harmonics of the order that a view needs, path tracing of views that no order holds",
-        engine: Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, DISTANCE),
+        engine: Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, CURVATURE),
         ours: false,
         swept: true,
     },
     Method {
         name: "sh-29",
         about: "harmonics of order 29 everywhere, whatever they lose",
-        engine: Engine::Cached(|setting| harmonics(setting, Some(29)), Estimator::Improved, DISTANCE),
+        engine: Engine::Cached(|setting| harmonics(setting, Some(29)), Estimator::Improved, CURVATURE),
         ours: false,
         swept: false,
     },
     Method {
         name: "eas-paper",
         about: "EAS moved and summed as published in 2015",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Paper, DISTANCE),
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Paper, Spacing::DISTANCE),
         ours: false,
         swept: true,
     },
     Method {
         name: "eas",
         about: "EAS with our estimator",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, DISTANCE),
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, CURVATURE),
         ours: true,
         swept: true,
     },
     Method {
         name: "auto",
         about: "our EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest",
-        engine: Engine::Cached(|_| Allowed::Auto, Estimator::Improved, DISTANCE),
+        engine: Engine::Cached(|_| Allowed::Auto, Estimator::Improved, CURVATURE),
         ours: true,
         swept: false,
     },
     Method {
-        name: "irradiance-hessian",
-        about: "irradiance, radii by the curvature of the light",
-        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, HESSIAN),
+        name: "irradiance-distance",
+        about: "irradiance, radii by distance",
+        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, Spacing::DISTANCE),
         ours: false,
         swept: false,
     },
@@ -91,9 +91,9 @@ pub const METHODS: &[Method] = &[
         swept: false,
     },
     Method {
-        name: "eas-hessian",
-        about: "eas, radii by the curvature of the light",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, HESSIAN),
+        name: "eas-distance",
+        about: "eas, radii by distance",
+        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, Spacing::DISTANCE),
         ours: true,
         swept: false,
     },
@@ -106,10 +106,9 @@ pub const METHODS: &[Method] = &[
     },
 ];
 
-/// Radii by distance; by curvature; less where records differ by more than the eye lets pass.
-const DISTANCE: Spacing = Spacing { hessian: false, adaptive: None };
-const HESSIAN: Spacing = Spacing { hessian: true, adaptive: None };
-const ADAPTIVE: Spacing = Spacing { hessian: false, adaptive: Some(WEBER_FRACTION) };
+/// Radii by curvature; less where records differ by more than the eye lets pass.
+const CURVATURE: Spacing = Spacing { hessian: true, adaptive: None };
+const ADAPTIVE: Spacing = Spacing { hessian: true, adaptive: Some(WEBER_FRACTION) };
 
 /// Hemispherical harmonics with analytic gradients, their order from τ unless it is given.
 fn harmonics(setting: Setting, order: Option<usize>) -> Allowed {

@@ -54,6 +54,24 @@ impl Method {
     }
 }
 
+/// What decides how far records reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Reach {
+    /// The distance of what they see.
+    Distance,
+    /// The curvature of the light.
+    Hessian,
+}
+
+impl Reach {
+    fn of(estimator: Estimator) -> Self {
+        match estimator {
+            Estimator::Paper => Self::Distance,
+            Estimator::Improved => Self::Hessian,
+        }
+    }
+}
+
 /// Arguments of `render image`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -77,9 +95,9 @@ pub struct Args {
     /// Which harmonics: in the frame of the record, or in that of the world [default: hemispherical].
     #[arg(long, value_enum)]
     basis: Option<Basis>,
-    /// Records reach as far as the curvature of the light allows (Hessian), not as the distance of what they see.
-    #[arg(long)]
-    hessian: bool,
+    /// What decides how far records reach [default: hessian, distance with --eas paper].
+    #[arg(long, value_enum)]
+    radius: Option<Reach>,
     /// Records that differ by more than this fraction where they overlap reach less far (adaptive caching).
     #[arg(long, value_name = "FRACTION", num_args = 0..=1, default_missing_value = "0.03")]
     adaptive: Option<f32>,
@@ -175,7 +193,10 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
     let settings = Settings {
         tolerance: args.tau,
         estimator: args.eas,
-        spacing: Spacing { hessian: args.hessian, adaptive: args.adaptive },
+        spacing: Spacing {
+            hessian: args.radius.unwrap_or(Reach::of(args.eas)) == Reach::Hessian,
+            adaptive: args.adaptive,
+        },
         budget,
         seed: args.seed,
         indirect_only: args.indirect_only,
@@ -278,8 +299,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(fraction) = args.adaptive {
         ensure!((0.001..=1.0).contains(&fraction), "--adaptive needs a number from 0.001 to 1");
     }
-    if matches!(args.method, Method::Path) && (args.hessian || args.adaptive.is_some()) {
-        bail!("--hessian and --adaptive need --method auto, eas, sh or irradiance: path tracing keeps no records");
+    if matches!(args.method, Method::Path) && (args.radius.is_some() || args.adaptive.is_some()) {
+        bail!("--radius and --adaptive need --method auto, eas, sh or irradiance: path tracing keeps no records");
     }
     for output in &args.output {
         let extension = output.extension().unwrap_or_default().to_ascii_lowercase();

@@ -59,7 +59,7 @@ fn the_papers_estimator_draws_the_box() {
     let settings = Settings {
         tolerance: Some(0.1),
         estimator: Estimator::Paper,
-        spacing: Spacing::default(),
+        spacing: Spacing::DISTANCE,
         budget: Budget::Samples(16),
         seed: 1,
         indirect_only: false,

@@ -206,7 +206,7 @@ pub fn load(
     }
     let complete =
         found.camera == wanted.camera && found.tolerance == wanted.tolerance && found.spacing == wanted.spacing;
-    Ok(Loaded { caches, complete: complete })
+    Ok(Loaded { caches, complete })
 }
 
 struct Reader<'a> {

@@ -21,7 +21,9 @@ impl Builder<'_> {
     pub(super) fn irradiance_radius(&self, found: &Gathered, policy: RadiusPolicy, footprint: f32) -> f32 {
         if self.quality.spacing.hessian {
             let light = luminance(found.record.irradiance);
-            return policy.bounded(found.hessian.radius(light, self.quality.curvature), footprint);
+            // What is near may be occluded from a little farther, which second derivatives do not know.
+            let by_distance = policy.radius(found.harmonic_mean, footprint);
+            return policy.bounded(found.hessian.radius(light, self.quality.curvature).min(by_distance), footprint);
         }
         // Where light changes fast, records are dense: but noise must not pass for change.
         let limit = found.record.gradient_limit().max(0.25 * found.harmonic_mean);
