@@ -1,5 +1,6 @@
 //! `render image`.
 
+use super::method::{Method, Reach};
 use anyhow::{Context, Result, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use render::cache::Spacing;
@@ -26,51 +27,6 @@ pub(super) const MAX_SIZE: u32 = 1 << 15;
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
 const EXR_SECONDS: f64 = 1e-6;
 const PNG_SECONDS: f64 = 1e-7;
-
-/// How to render.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Method {
-    /// EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest.
-    Auto,
-    /// Path tracing: the reference.
-    Path,
-    /// EAS on every glossy surface that a table can hold.
-    Eas,
-    /// Radiance caching with harmonics on every glossy surface that they can hold, irradiance records on diffuse ones.
-    Sh,
-    /// Irradiance records on diffuse surfaces, path tracing of glossy ones.
-    Irradiance,
-}
-
-impl Method {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Path => "path",
-            Self::Eas => "eas",
-            Self::Sh => "sh",
-            Self::Irradiance => "irradiance",
-        }
-    }
-}
-
-/// What decides how far records reach.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Reach {
-    /// The distance of what they see.
-    Distance,
-    /// The curvature of the light.
-    Hessian,
-}
-
-impl Reach {
-    fn of(estimator: Estimator) -> Self {
-        match estimator {
-            Estimator::Paper => Self::Distance,
-            Estimator::Improved => Self::Hessian,
-        }
-    }
-}
 
 /// Arguments of `render image`.
 #[derive(Debug, clap::Args)]

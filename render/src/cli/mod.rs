@@ -3,6 +3,7 @@
 mod chart;
 mod compare;
 mod image;
+mod method;
 mod probe;
 
 use anyhow::Result;
