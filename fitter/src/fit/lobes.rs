@@ -1,7 +1,7 @@
 //! The sweep of the lobe table: signed lobes over a grid that includes θe = 0 and Ω = 0.
 
 use super::cell::{Ansatz, CellFit, Target};
-use super::{Fitted, Options, oracle, values};
+use super::{FitError, Fitted, Options, oracle, values};
 use crate::error::Directions;
 use crate::solver::{self, SolverKind};
 use brdf_tables::axis::Axes;
@@ -39,7 +39,7 @@ pub(super) fn describe(kind: SolverKind, cells: &[CellFit]) -> String {
 }
 
 /// Fits the table.
-pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
+pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitError> {
     let isotropic = specular.is_isotropic();
     let axes = Axes {
         theta: if isotropic { 16 } else { 10 },
@@ -82,8 +82,8 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
         .collect();
     let cells: Vec<CellFit> = rows.into_iter().flatten().collect();
     let nodes: Vec<Vec<Lobe>> = cells.iter().map(|c| c.lobes.clone()).collect();
-    let table = Lobes::from_nodes(axes, &nodes).expect("fitted lobes are finite and bounded");
-    Fitted { representation: Representation::Lobes(table), notes: vec![describe(options.solver, &cells)] }
+    let table = Lobes::from_nodes(axes, &nodes).ok_or(FitError::Diverged)?;
+    Ok(Fitted { representation: Representation::Lobes(table), notes: vec![describe(options.solver, &cells)] })
 }
 
 /// Scales the amplitudes so that the reflected energy ∫F cosθo is exact, where the fit is near enough for that to help.

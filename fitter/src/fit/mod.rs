@@ -106,6 +106,9 @@ pub enum FitError {
     /// The grid of 2015 has no azimuth.
     #[error("the paper's grid has no azimuth: it holds isotropic materials only")]
     Anisotropic,
+    /// A solver ran off to numbers that no table holds.
+    #[error("a fitted lobe is not finite or out of the bounds of a table; try another --solver or fewer --lobes")]
+    Diverged,
     /// More lobes than a look-up takes at once.
     #[error("{0} lobes per cell, 1 to 16 are possible")]
     Lobes(usize),
@@ -228,9 +231,9 @@ fn represent(specular: &Specular, options: &Options) -> Result<Fitted, FitError>
             Ok(fitted)
         }
         Choice::Cubature => Ok(cubature::fit(specular, options)),
-        Choice::Lobes => Ok(lobes::fit(specular, options)),
+        Choice::Lobes => lobes::fit(specular, options),
         Choice::Paper if !specular.is_isotropic() => Err(FitError::Anisotropic),
-        Choice::Paper => Ok(paper::fit(specular, options)),
+        Choice::Paper => paper::fit(specular, options),
     }
 }
 

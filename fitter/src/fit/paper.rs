@@ -2,7 +2,7 @@
 
 use super::cell::{Ansatz, CellFit};
 use super::lobes::{describe, solver_options, target};
-use super::{Fitted, Options, oracle};
+use super::{FitError, Fitted, Options, oracle};
 use crate::solver::SolverKind;
 use brdf_tables::brdf::Specular;
 use brdf_tables::lobe::Lobe;
@@ -22,7 +22,7 @@ const SOLID_ANGLES: usize = 64;
 const LOBES: usize = 1;
 
 /// Fits the table.
-pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
+pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitError> {
     let count = options.lobes.unwrap_or(LOBES);
     let ansatz = Ansatz { in_plane: true, signed: false };
     let solver = options.solver.with(solver_options(options.solver));
@@ -57,7 +57,6 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
         .enumerate()
         .map(|(i, cell)| cell.lobes.iter().map(|lobe| to_surface(i / SOLID_ANGLES + 1, lobe)).collect())
         .collect();
-    let table =
-        Paper::from_cells(ELEVATIONS, SOLID_ANGLES, count, &lobes).expect("fitted lobes are finite and positive");
-    Fitted { representation: Representation::Paper(table), notes: vec![describe(options.solver, &cells)] }
+    let table = Paper::from_cells(ELEVATIONS, SOLID_ANGLES, count, &lobes).ok_or(FitError::Diverged)?;
+    Ok(Fitted { representation: Representation::Paper(table), notes: vec![describe(options.solver, &cells)] })
 }

@@ -56,7 +56,7 @@ pub fn section(results: &Results) -> Option<String> {
 fn of_scene(subject: &Subject, rows: &[&Row]) -> Option<(Vec<Vec<String>>, String)> {
     let of =
         |methods: &'static [&str]| rows.iter().filter(|r| methods.contains(&r.method.as_str()) && r.glossy_records > 0);
-    let rc = of(&HARMONICS).min_by(|a, b| (a.rmse, a.seconds).partial_cmp(&(b.rmse, b.seconds)).expect("finite"))?;
+    let rc = of(&HARMONICS).min_by(|a, b| a.rmse.total_cmp(&b.rmse).then(a.seconds.total_cmp(&b.seconds)))?;
     let equal_error = of(&EAS).filter(|r| r.rmse <= rc.rmse).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
     let equal_memory = of(&EAS).filter(|r| r.bytes <= rc.bytes).min_by(|a, b| a.rmse.total_cmp(&b.rmse));
     let line = |scene: &str, method: &str, r: &Row| {

@@ -135,15 +135,15 @@ pub fn render_cached(
     };
     let deadline = time.map(|limit| start + limit.mul_f64(FILL_SHARE));
     let report = |x: f64| progress(FILL_SHARE * x);
-    let (tolerance, (quality, caches)) = match (settings.tolerance, deadline) {
-        (tolerance, _) if complete => {
+    let whole = kept.clone().filter(|_| complete);
+    let (tolerance, (quality, caches)) = match (settings.tolerance, deadline, whole) {
+        (tolerance, _, Some(caches)) => {
             let tolerance = tolerance.unwrap_or(TOLERANCE);
-            let caches = kept.clone().expect("complete caches are there");
             (tolerance, (Quality::new(tolerance, settings.estimator, settings.spacing), caches))
         }
-        (Some(tolerance), _) => (tolerance, build(tolerance, deadline, &report)),
-        (None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
-        (None, Some(end)) => {
+        (Some(tolerance), ..) => (tolerance, build(tolerance, deadline, &report)),
+        (None, None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
+        (None, Some(end), None) => {
             let first = Instant::now();
             let filled = build(FIRST_TOLERANCE, Some(end), &report);
             let spent = first.elapsed().as_secs_f64();
