@@ -66,7 +66,9 @@ pub fn tables() -> Vec<Table> {
         table(Some(phong), Representation::Zonal(fitter::zonal::build(phong, 8, 6).unwrap())),
         table(
             Some(ggx),
-            Representation::Cubature(Cubature::new(ggx, axes, &[Node { order: 2, outer: 60, far: 200 }; 18]).unwrap()),
+            Representation::Cubature(
+                Cubature::new(ggx, axes, &[Node { disc: 2, product: 7, outer: 60, far: 200 }; 18]).unwrap(),
+            ),
         ),
         table(Some(ggx), Representation::Lobes(Lobes::from_nodes(axes, &cells).unwrap())),
         table(Some(phong), Representation::Paper(Paper::from_cells(6, 3, 2, &cells).unwrap())),

@@ -16,7 +16,7 @@ mod truths;
 use brdf_tables::axis::Axes;
 use brdf_tables::brdf::{ALL, Distribution, Fresnel, Microfacet, Phong, Specular, Ward, WardVariant};
 use brdf_tables::cap::Cap;
-use brdf_tables::cubature::{Cubature, Node, ORDERS};
+use brdf_tables::cubature::{Cubature, NONE, Node, Rule};
 use brdf_tables::frame::{basis, mirror, spherical};
 use brdf_tables::lobe::Lobe;
 use brdf_tables::lobes::Lobes;
@@ -81,12 +81,13 @@ fn lit_direction(specular: &Specular, cap: &Cap, rng: &mut impl Rng) -> DVec3 {
     }
 }
 
-/// A cubature whose order changes from cell to cell.
+/// A cubature whose rule changes from cell to cell.
 fn patchwork(specular: Specular) -> Cubature {
     let phi = if specular.is_isotropic() { 1 } else { 3 };
     let axes = Axes { theta: 5, phi, omega: 6, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
-    let order = |i: usize| (i * 7 % ORDERS.len()) as u8;
-    let nodes: Vec<Node> = (0..axes.len()).map(|i| Node { order: order(i), outer: 120, far: 200 }).collect();
+    let (disc, product) = (|i: usize| [0, 1, 5, NONE][i * 7 % 4], |i: usize| [7, 9, 14][i % 3]);
+    let nodes: Vec<Node> =
+        (0..axes.len()).map(|i| Node { disc: disc(i), product: product(i), outer: 120, far: 200 }).collect();
     Cubature::new(specular, axes, &nodes).unwrap()
 }
 
@@ -111,7 +112,7 @@ fn synthetic_lobes(sharpness: f64, phi: u32, count: usize) -> Lobes {
 /// Every representation that can hold a model without a fit.
 fn representations(specular: Specular) -> Vec<Box<dyn MeanBrdf>> {
     let zonal = fitter::zonal::build(specular, 64, 48).map(|table| Box::new(table) as Box<dyn MeanBrdf>);
-    let finest = Cubature::uniform(specular, ORDERS.len() as u8 - 1).unwrap();
+    let finest = Cubature::uniform(specular, Rule::Product(16));
     zonal.into_iter().chain([Box::new(finest) as _, Box::new(patchwork(specular)) as _]).collect()
 }
 

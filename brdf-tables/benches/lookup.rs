@@ -7,7 +7,7 @@ use brdf_tables::axis::Axes;
 use brdf_tables::batch::CapBatch;
 use brdf_tables::brdf::{Distribution, Fresnel, Microfacet, Phong, Specular};
 use brdf_tables::cap::Cap;
-use brdf_tables::cubature::Cubature;
+use brdf_tables::cubature::{Cubature, RULES, Rule};
 use brdf_tables::lobe::Lobe;
 use brdf_tables::lobes::Lobes;
 use brdf_tables::mean::{Exact, MeanBrdf};
@@ -87,20 +87,20 @@ fn shipped(bencher: Bencher, name: &str) {
     run(bencher, table.mean().expect("a glossy material"));
 }
 
-/// One order everywhere: 1, 4, 9, 16, 25, 36, 64 evaluations of the model.
-#[divan::bench(args = [0, 1, 2, 3, 4, 5, 6])]
-fn cubature_ggx(bencher: Bencher, order: u8) {
-    run(bencher, &Cubature::uniform(facets(Distribution::Ggx, 0.2), order).expect("a known order"));
+/// One rule everywhere.
+#[divan::bench(args = RULES)]
+fn cubature_ggx(bencher: Bencher, rule: Rule) {
+    run(bencher, &Cubature::uniform(facets(Distribution::Ggx, 0.2), rule));
 }
 
-#[divan::bench(args = [0, 1, 2, 3, 4, 5, 6])]
-fn cubature_beckmann(bencher: Bencher, order: u8) {
-    run(bencher, &Cubature::uniform(facets(Distribution::Beckmann, 0.2), order).expect("a known order"));
+#[divan::bench(args = RULES)]
+fn cubature_beckmann(bencher: Bencher, rule: Rule) {
+    run(bencher, &Cubature::uniform(facets(Distribution::Beckmann, 0.2), rule));
 }
 
-#[divan::bench(args = [3, 5])]
-fn cubature_phong(bencher: Bencher, order: u8) {
-    run(bencher, &Cubature::uniform(phong(100.0), order).expect("a known order"));
+#[divan::bench(args = [Rule::Product(4), Rule::Product(6)])]
+fn cubature_phong(bencher: Bencher, rule: Rule) {
+    run(bencher, &Cubature::uniform(phong(100.0), rule));
 }
 
 /// The reference, for scale; a few caps only.

@@ -78,6 +78,20 @@ impl CapBatch {
         [x, y, z, &self.height]
             .map(|column| column[start..start + LANES].first_chunk().expect("columns are padded to whole vectors"))
     }
+
+    /// Up to sixteen listed caps as lanes; those to spare repeat the last.
+    #[inline(always)]
+    pub(crate) fn gather(&self, picked: &[u32]) -> [[f32; LANES]; 4] {
+        let mut lanes = [[0f32; LANES]; 4];
+        for k in 0..LANES {
+            let i = picked[k.min(picked.len() - 1)] as usize;
+            lanes[0][k] = self.axis[0][i];
+            lanes[1][k] = self.axis[1][i];
+            lanes[2][k] = self.axis[2][i];
+            lanes[3][k] = self.height[i];
+        }
+        lanes
+    }
 }
 
 /// Below this height (Ω ≈ 6e-13 sr) the mean over the cap is the BRDF itself to f32 precision.

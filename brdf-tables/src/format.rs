@@ -18,7 +18,7 @@ use std::path::Path;
 /// First eight bytes of a table; the line feed shows a file mangled by text-mode transfers.
 pub const MAGIC: [u8; 8] = *b"BURNISH\n";
 /// Version written; the only one read.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Longest header accepted, bytes.
 const MAX_HEADER: usize = 1 << 16;
 /// Largest file accepted, bytes: eight times the largest table the fitter makes.
@@ -105,7 +105,7 @@ impl Table {
             }
             Representation::Cubature(t) => {
                 let (axes, nodes) = t.parts();
-                (Shape::Cubature { axes }, nodes.iter().flat_map(|n| [n.order, n.outer, n.far]).collect())
+                (Shape::Cubature { axes }, nodes.iter().flat_map(|n| [n.disc, n.product, n.outer, n.far]).collect())
             }
             Representation::Lobes(t) => {
                 let (axes, count, data) = t.parts();
@@ -259,9 +259,10 @@ impl Shape {
                     .map(Representation::Zonal)
             }
             Shape::Cubature { axes } => {
-                let (nodes, rest) = bytes.as_chunks::<3>();
+                let (nodes, rest) = bytes.as_chunks::<4>();
                 let axes = grid(axes).filter(|_| rest.is_empty());
-                let nodes: Vec<Node> = nodes.iter().map(|&[order, outer, far]| Node { order, outer, far }).collect();
+                let nodes: Vec<Node> =
+                    nodes.iter().map(|&[disc, product, outer, far]| Node { disc, product, outer, far }).collect();
                 axes.and_then(|axes| Cubature::new(specular, axes, &nodes)).map(Representation::Cubature)
             }
             Shape::Lobes { axes, count } if count as usize <= LOBE_SIZE * 4 => {

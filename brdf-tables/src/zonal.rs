@@ -13,7 +13,7 @@
 use crate::batch::{CapBatch, MIN_HEIGHT};
 use crate::brdf::Specular;
 use crate::cap::{Cap, projected_solid_angle};
-use crate::cubature::Cubature;
+use crate::cubature::{Cubature, Rule};
 use crate::mean::MeanBrdf;
 use crate::real::{LANES, Real};
 use core::f64::consts::PI;
@@ -24,13 +24,13 @@ use glam::{DVec3, Vec3};
 const REACH: f64 = 5.5;
 /// Largest offset and step of the stored numbers, which are of the order of 1.
 const MAX_SCALE: f64 = 1e3;
-/// Cubature order index for the part of a cap below the horizon, which the zonal form includes. Broad lobes come with
-/// large caps, and with the kink where the lobe ends.
-fn clipped_order(exponent: f64) -> u8 {
+/// Rule for the part of a cap below the horizon, which the zonal form includes. Broad lobes come with large caps, and with
+/// the kink where the lobe ends.
+fn clipping_rule(exponent: f64) -> Rule {
     match exponent {
-        n if n < 10.0 => 9,
-        n if n < 40.0 => 6,
-        _ => 5,
+        n if n < 10.0 => Rule::Product(16),
+        n if n < 40.0 => Rule::Product(8),
+        _ => Rule::Product(6),
     }
 }
 
@@ -66,6 +66,13 @@ impl ZonalAxes {
     #[inline(always)]
     fn radius<T: Real>(&self, height: T) -> T {
         (height * height.lit(2.0 * self.sharpness)).sqrt()
+    }
+
+    /// s between the mirrored cap axis m and `wo`: |wo − m|² = 2(1 − cos δ), exact for small δ.
+    #[inline(always)]
+    fn distance<T: Real>(&self, axis: [T; 3], wo: [T; 3]) -> T {
+        let d2 = (wo[0] + axis[0]).sq() + (wo[1] + axis[1]).sq() + (wo[2] - axis[2]).sq();
+        (d2 * d2.lit(self.sharpness)).sqrt()
     }
 
     /// u ∈ [0, 1] from S: S/(S + 3) over its value at σ = π/2.
@@ -116,7 +123,7 @@ impl Zonal {
         if !fits || scale.iter().flatten().any(|x| !x.is_finite() || x.abs() > MAX_SCALE) {
             return None;
         }
-        let clipped = Cubature::uniform(specular, clipped_order(exponent))?;
+        let clipped = Cubature::uniform(specular, clipping_rule(exponent));
         Some(Self { amplitude, exponent, columns, rows, cells, scale, clipped })
     }
 
@@ -125,17 +132,22 @@ impl Zonal {
         (self.rows, self.columns, &self.cells, self.scale)
     }
 
+    /// Whether the lobe seen from `wo` reaches the cap (v < 1), by what that costs least to know.
+    #[inline(always)]
+    fn reached<T: Real>(&self, axis: [T; 3], height: T, wo: [T; 3]) -> T::Mask {
+        let axes = ZonalAxes::new(self.exponent);
+        let (radius, s) = (axes.radius(height), axes.distance(axis, wo));
+        s.lt(radius + axes.reach(radius))
+    }
+
     /// Numerator of eq. 9 over the whole cap, the part below the horizon (if any) counted as negative.
     #[inline(always)]
     fn numerator<T: Real>(&self, axis: [T; 3], height: T, wo: [T; 3]) -> T {
         let one = height.lit(1.0);
         let axes = ZonalAxes::new(self.exponent);
-        // |wo − m|² = 2(1 − cos δ), exact for small δ.
-        let d2 = (wo[0] + axis[0]).sq() + (wo[1] + axis[1]).sq() + (wo[2] - axis[2]).sq();
         let radius = axes.radius(height);
-        let s = (d2 * one.lit(axes.sharpness)).sqrt();
-        let v = axes.v(s, radius);
-        // Bilinear look-up; beyond v = 1 nothing is left of the lobe.
+        let v = axes.v(axes.distance(axis, wo), radius);
+        // Bilinear look-up; v < 1 in caps that the lobe reaches.
         let (rows, columns) = (one.lit((self.rows - 1) as f64), one.lit((self.columns - 1) as f64));
         let (gu, gv) = ((axes.u(radius) * rows).min(rows), (v * columns).clamp(one.lit(0.0), columns));
         let (iu, iv) = (gu.floor().min(rows - one), gv.floor().min(columns - one));
@@ -150,7 +162,7 @@ impl Zonal {
 
         let sum = tp * axis[2] + tr * wo[2];
         let strength = one.lit(2.0 * PI * self.amplitude / (self.exponent + 2.0));
-        T::select(one.lt(v), one.lit(0.0), strength * self.filled(height) * sum)
+        strength * self.filled(height) * sum
     }
 
     /// Whether a cap that crosses the horizon is integrated above it: those cut so deep (axis closer to the horizon than
@@ -195,7 +207,7 @@ impl MeanBrdf for Zonal {
 
     fn value(&self, cap: &Cap, wo: DVec3) -> f64 {
         let (axis, height) = (cap.axis().to_array(), cap.height().max(f64::from(MIN_HEIGHT)));
-        if wo.z <= 0.0 {
+        if wo.z <= 0.0 || !self.reached(axis, height, wo.to_array()) {
             return 0.0;
         }
         let crossing = crosses(axis[2], height);
@@ -219,33 +231,46 @@ impl MeanBrdf for Zonal {
 /// Caps looked up between two visits to the clipped ones; fixed, so that collecting those needs no allocation.
 const CHUNK: usize = 256;
 
+/// Three passes: which caps the lobe reaches at all, the table for those, and the horizon for those that cross it.
 #[inline(always)]
 fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
     let direction = wo.to_array().map(|x| f32x16::splat(simd, x));
-    for (chunk, out) in out.chunks_mut(CHUNK).enumerate() {
+    out.fill(0.0);
+    for start in (0..out.len()).step_by(CHUNK) {
+        let (mut near, mut nears) = ([0u32; CHUNK], 0);
+        for block in (start..out.len().min(start + CHUNK)).step_by(LANES) {
+            let [x, y, z, height] = caps.lanes(block).map(|lanes| f32x16::load_array_ref(simd, lanes));
+            let reached = table.reached([x, y, z], height, direction);
+            let reached = Real::select(reached, z.lit(1.0), z.lit(0.0)).to_array();
+            for (i, &reached) in reached[..LANES.min(out.len() - block)].iter().enumerate() {
+                near[nears] = (block + i) as u32;
+                nears += usize::from(reached > 0.0);
+            }
+        }
         // Caps that cross the horizon with their whole integrals, and those to integrate directly.
         let (mut cut, mut whole, mut cuts) = ([0u32; CHUNK], [0f32; CHUNK], 0);
         let (mut direct, mut directs) = ([0u32; CHUNK], 0);
-        for (block, out) in out.chunks_mut(LANES).enumerate() {
-            let start = chunk * CHUNK + block * LANES;
-            let [x, y, z, height] = caps.lanes(start).map(|lanes| f32x16::load_array_ref(simd, lanes));
+        for block in near[..nears].chunks(LANES) {
+            let [x, y, z, height] = caps.gather(block).map(|lane| f32x16::load_array(simd, lane));
             let sum = table.numerator([x, y, z], height, direction);
-            let crossing = crosses(z, height);
             let area = projected_solid_angle(z, height);
             let values = (Real::max(sum, z.lit(0.0)) * Real::max(area, z.lit(1e-30)).recip()).to_array();
-            out.copy_from_slice(&values[..out.len()]);
+            for (&i, value) in block.iter().zip(values) {
+                out[i as usize] = value;
+            }
+            let crossing = crosses(z, height);
             if crossing.any_true() {
                 let depth = Real::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
                 let depth = Real::select(crossing, depth, z.lit(0.0)).to_array();
                 let (sums, areas) = (sum.to_array(), area.to_array());
-                for (i, out) in out.iter_mut().enumerate() {
-                    if depth[i] == 1.0 {
-                        (cut[cuts], whole[cuts]) = ((start + i) as u32, sums[i]);
+                for (k, &i) in block.iter().enumerate() {
+                    if depth[k] == 1.0 {
+                        (cut[cuts], whole[cuts]) = (i, sums[k]);
                         // The denominator takes the place of the value until the part below is known.
-                        *out = areas[i];
+                        out[i as usize] = areas[k];
                         cuts += 1;
-                    } else if depth[i] == 2.0 {
-                        direct[directs] = (start + i) as u32;
+                    } else if depth[k] == 2.0 {
+                        direct[directs] = i;
                         directs += 1;
                     }
                 }
@@ -253,10 +278,10 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
         }
         table.clipped.clip(simd, caps, &cut[..cuts], wo, &mut whole[..cuts]);
         for (&i, &sum) in cut[..cuts].iter().zip(&whole[..cuts]) {
-            let out = &mut out[i as usize - chunk * CHUNK];
+            let out = &mut out[i as usize];
             *out = sum.max(0.0) / *out;
         }
-        table.clipped.values_at(simd, caps, &direct[..directs], wo, |i, value| out[i - chunk * CHUNK] = value);
+        table.clipped.values_at(simd, caps, &direct[..directs], wo, |i, value| out[i] = value);
     }
 }
 

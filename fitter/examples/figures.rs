@@ -1,7 +1,9 @@
-//! Every accuracy figure of the README, measured anew: `cargo run --release -p fitter --example figures [CAPS]`.
+//! Every accuracy figure of the README, measured anew:
+//! `cargo run --release -p fitter --example figures [CAPS [MATERIAL…]]`.
 //!
-//! Fits each material with the default preset and measures it at CAPS (500) random caps off the nodes, against
-//! deterministic quadrature. Takes some minutes; the rows come as they are ready.
+//! Fits each material (all of the README's where none is named) with the default preset and measures it at CAPS (500)
+//! random caps off the nodes, against deterministic quadrature. Phong takes minutes, a microfacet model up to ten of them
+//! each; the rows come as they are ready.
 
 use brdf_tables::cap::Cap;
 use brdf_tables::errors::Errors;
@@ -37,9 +39,8 @@ fn paper_cases() {
     }
 }
 
-fn main() {
-    let caps = std::env::args().nth(1).map_or(500, |n| n.parse().expect("CAPS is a number"));
-    paper_cases();
+/// Every material of the README.
+fn all_materials() -> Vec<String> {
     let mut materials: Vec<String> =
         [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].iter().map(|n| format!("phong:exponent={n}")).collect();
     for alpha in ["0.1", "0.2", "0.4"] {
@@ -53,6 +54,17 @@ fn main() {
     // And what is shipped beyond Phong.
     for name in ["beckmann-0.2", "ggx-0.1", "ggx-0.3", "ward-0.1-0.5", "lafortune-metal"] {
         materials.push(format!("{}/../tables/{name}.toml", env!("CARGO_MANIFEST_DIR")));
+    }
+    materials
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let caps = arguments.next().map_or(500, |n| n.parse().expect("CAPS is a number"));
+    let mut materials: Vec<String> = arguments.collect();
+    if materials.is_empty() {
+        paper_cases();
+        materials = all_materials();
     }
     println!("\nPercent, at {caps} caps of the main domain and a quarter as many across the horizon:\n");
     println!(

@@ -116,7 +116,7 @@ pub fn check(table: &Table, points: usize, seed: u64, progress: &(dyn Fn(f64) + 
 mod tests {
     use super::*;
     use brdf_tables::brdf::Phong;
-    use brdf_tables::cubature::Cubature;
+    use brdf_tables::cubature::{Cubature, Rule};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     #[test]
@@ -137,13 +137,13 @@ mod tests {
         }
     }
 
-    /// A rule of one node is told from one of sixteen by the five errors.
+    /// A rule of one node is told from one of 256 by the five errors.
     #[test]
     fn a_poor_table_is_found_out() {
         let specular = Specular::Phong(Phong { exponent: 50.0 });
         let cap = Cap::with_half_angle(0.7, 0.2, 0.3).unwrap();
-        let error = |order| errors_of(&Cubature::uniform(specular, order).unwrap(), &specular, &cap).to_array();
-        for (poor, good) in error(0).into_iter().zip(error(9)) {
+        let error = |rule| errors_of(&Cubature::uniform(specular, rule), &specular, &cap).to_array();
+        for (poor, good) in error(Rule::Disc(1)).into_iter().zip(error(Rule::Product(16))) {
             assert!(poor > 0.003 && good < 1e-3, "{poor} {good}");
         }
     }

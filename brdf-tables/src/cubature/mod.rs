@@ -9,13 +9,18 @@
 //! Both variables pass through an algebraic map, x = κ s/(1 − s²), whose κ is the width of the lobe there: a rule of n
 //! points then resolves the cap when it is smaller than the lobe, the lobe when it is smaller than the cap, and the
 //! tails of both. The outer variable is sin(a − a_cap) = sinρ sin τ first, which removes the square root at the rim.
+//!
+//! A cap smaller than the lobe needs none of that: a few nodes on rings about its axis do ([`Rule::Disc`]).
 
+mod bins;
+mod disc;
 mod footprint;
-mod orders;
+mod rule;
 mod table;
 
+pub use bins::{Node, OUTER};
 pub use footprint::Footprint;
-pub use orders::{Node, ORDERS, OUTER};
+pub use rule::{NONE, RULES, Rule};
 pub use table::Cubature;
 
 use crate::brdf::Formula;
@@ -69,9 +74,7 @@ pub fn holds_pole<T: Real>(axis: [T; 3], height: T) -> T::Mask {
     (axis[0].sq() + axis[2].sq()).lt(height * (height.lit(2.0) - height))
 }
 
-/// ∫ f_r(wi, wo) cosθi dwi over the part of the cap above the horizon, the numerator of eq. 9, and ∫ cosθi dwi by the same
-/// rule. The second is a poor estimate of the denominator when the nodes crowd in a lobe smaller than the cap; of the
-/// smallest rules, made for caps smaller than the lobe, it cancels the error.
+/// ∫ f_r(wi, wo) cosθi dwi over the part of the cap above the horizon (or below it): the numerator of eq. 9.
 ///
 /// `axis` is the cap axis in the frame of `wo`, `height` = 1 − cos σ, `rotation` = (cos, sin) of the azimuth of `wo`,
 /// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one. `rule` is a
@@ -85,7 +88,7 @@ pub fn numerator<T: Real, F: Formula>(
     height: T,
     side: Side,
     rule: &[(T::Scalar, T::Scalar)],
-) -> (T, T) {
+) -> T {
     let one = height.lit(1.0);
     let (zero, tiny) = (one.lit(0.0), one.lit(1e-12));
     // Back to the surface frame, which matters to an anisotropic model only (the others come with the identity).
@@ -131,7 +134,7 @@ pub fn numerator<T: Real, F: Formula>(
     let kappa = reach * (one - clamped.sq() + reach).sqrt().recip();
     let tau_map = Mapped::new(lo - centre, hi - lo, kappa);
 
-    let (mut sum, mut area) = (zero, zero);
+    let mut sum = zero;
     for &(node, weight) in rule {
         let (offset, jacobian) = tau_map.at(node);
         let (sin_t, cos_t) = (centre + offset).sin_cos();
@@ -164,7 +167,7 @@ pub fn numerator<T: Real, F: Formula>(
         let ridge = one.lit(lobe.tilt) * along;
         let kappa_q = (one.lit(lobe.k0) * scale.sq() + one.lit(lobe.k1) * along.sq()).max(tiny).sqrt();
         let q_map = Mapped::new(q_lo - ridge, length, kappa_q);
-        let (mut row, mut row_area) = (zero, zero);
+        let mut row = zero;
         for &(node, weight) in rule {
             let (offset, jacobian) = q_map.at(node);
             let q = ridge + offset;
@@ -173,13 +176,11 @@ pub fn numerator<T: Real, F: Formula>(
             let wi = if turn { turned(wi, cos_p, sin_p) } else { wi };
             let measure = jacobian * one.fill(weight) * wi[2];
             row = measure.mul_add(formula.rest(wi, wo), row);
-            row_area = row_area + measure;
         }
         let measure = jacobian * one.fill(weight);
         sum = measure.mul_add(row, sum);
-        area = measure.mul_add(row_area, area);
     }
-    (sum * formula.factor(wo), area)
+    sum * formula.factor(wo)
 }
 
 /// A vector rotated about z.

@@ -1,34 +1,18 @@
-//! The cubature as a table: the order of the rule per cell of (θe, φe, Ω), chosen by the fitter as the least that meets
+//! The cubature as a table: the rule per cell of (θe, φe, Ω), chosen by the fitter as the cheapest that meets
 //! the tolerance there.
 
-use super::orders::{FAR, ORDERS, Orders};
+use super::bins::Bins;
+use super::disc::disc;
+use super::rule::{NONE, Nodes, RULES, Rule, nodes};
 use super::{Footprint, Node, Side, holds_pole, numerator};
 use crate::axis::Axes;
 use crate::batch::{CapBatch, MIN_HEIGHT};
 use crate::brdf::{Brdf, Formula, FormulaVisitor, GrayPolynomial, Specular, Visitor};
 use crate::cap::{Cap, projected_solid_angle};
-use crate::gauss::gauss_legendre;
 use crate::mean::MeanBrdf;
 use crate::real::{LANES, Real};
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
-use std::sync::OnceLock;
-
-/// Rules up to this index (3 × 3) serve caps smaller than the lobe: they divide by their own estimate of the denominator.
-const SELF_NORMALISED: usize = 2;
-/// A Gauss–Legendre rule in f64 and in f32.
-type Rule = (Vec<(f64, f64)>, Vec<(f32, f32)>);
-
-/// The rule of order `ORDERS[index]`.
-fn rule(index: usize) -> &'static Rule {
-    static RULES: OnceLock<Vec<Rule>> = OnceLock::new();
-    let build = |&n| {
-        let rule = gauss_legendre(n);
-        let single = rule.iter().map(|&(x, w)| (x as f32, w as f32)).collect();
-        (rule, single)
-    };
-    &RULES.get_or_init(|| ORDERS.iter().map(build).collect())[index]
-}
 
 /// Cap cubature of the model itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,16 +22,16 @@ pub struct Cubature {
     isotropic: bool,
     axes: Axes,
     nodes: Vec<Node>,
-    orders: Orders,
+    bins: Bins,
 }
 
 impl Cubature {
-    /// From the nodes of `axes`; `None` when an order index or the count is wrong.
+    /// From the nodes of `axes`; `None` when the index of a rule or the count is wrong.
     pub fn new(specular: Specular, axes: Axes, nodes: &[Node]) -> Option<Self> {
-        let orders = Orders::new(axes, nodes)?;
+        let bins = Bins::new(axes, nodes)?;
         let isotropic = specular.is_isotropic();
         let gray = specular.gray_polynomial();
-        Some(Self { specular, gray, isotropic, axes, nodes: nodes.to_vec(), orders })
+        Some(Self { specular, gray, isotropic, axes, nodes: nodes.to_vec(), bins })
     }
 
     /// Grid and nodes, as [`Cubature::new`] takes them.
@@ -55,10 +39,15 @@ impl Cubature {
         (self.axes, &self.nodes)
     }
 
-    /// One order (an index into [`ORDERS`]) everywhere.
-    pub fn uniform(specular: Specular, order: u8) -> Option<Self> {
+    /// One rule of [`RULES`] everywhere.
+    pub fn uniform(specular: Specular, rule: Rule) -> Self {
         let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
-        Self::new(specular, axes, &[Node { order, outer: u8::MAX, far: u8::MAX }; 4])
+        let (disc, product) = match rule {
+            Rule::Disc(_) => (rule.index(), RULES.len() as u8 - 1),
+            Rule::Product(_) => (NONE, rule.index()),
+        };
+        let node = Node { disc, product, outer: u8::MAX, far: u8::MAX };
+        Self::new(specular, axes, &[node; 4]).expect("a rule of the list")
     }
 
     /// For caps that cross the horizon, the numerator of eq. 9 from the integral over the whole cap (in which cosθi is
@@ -72,10 +61,12 @@ impl Cubature {
             #[inline(always)]
             fn visit<M: Brdf + Formula>(self, model: &M) {
                 let Run(simd, table, caps, picked, wo, whole) = self;
-                let (view, (_, rule)) = (View::new(table, wo), rule(table.orders.largest()));
+                let (view, (_, Nodes::Product(rule))) = (View::new(table, wo), nodes(table.bins.finest())) else {
+                    return;
+                };
                 for (block, whole) in picked.chunks(LANES).zip(whole.chunks_mut(LANES)) {
                     let (axis, height) = gather(simd, caps, block, &view);
-                    let (part, _) = simd.vectorize(
+                    let part = simd.vectorize(
                         #[inline(always)]
                         || numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule),
                     );
@@ -91,7 +82,7 @@ impl Cubature {
         }
     }
 
-    /// The means over the caps listed in `picked`, by the largest order of the table, handed to `store` with their index.
+    /// The means over the caps listed in `picked`, by the finest product rule of the table, handed to `store` with their index.
     #[inline(always)]
     pub(crate) fn values_at<S: Simd>(
         &self,
@@ -107,7 +98,7 @@ impl Cubature {
             #[inline(always)]
             fn visit<M: Brdf + Formula>(mut self, model: &M) {
                 let view = View::new(self.1, self.4);
-                picked_caps(self.0, model, &view, self.1.orders.largest(), self.2, self.3, &mut self.5);
+                picked_caps(self.0, model, &view, self.1.bins.finest(), self.2, self.3, &mut self.5);
             }
         }
         if !picked.is_empty() {
@@ -122,9 +113,11 @@ impl Cubature {
             type Output = f64;
             fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
                 let Run(table, cap, wo, whole) = self;
-                let (view, (rule, _)) = (View::new(table, wo), rule(table.orders.largest()));
+                let (view, (Nodes::Product(rule), _)) = (View::new(table, wo), nodes(table.bins.finest())) else {
+                    return whole;
+                };
                 let (axis, height) = (into_frame(cap.axis().to_array(), view.rotation), cap.height());
-                let (part, _) = numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule);
+                let part = numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule);
                 if holds_pole(axis, height) { part } else { whole - part }
             }
         }
@@ -132,7 +125,7 @@ impl Cubature {
     }
 }
 
-/// Caps sorted by order at a time; fixed, so that sorting needs no allocation.
+/// Caps sorted by their rule at a time; fixed, so that sorting needs no allocation.
 const CHUNK: usize = 256;
 
 impl MeanBrdf for Cubature {
@@ -147,18 +140,9 @@ impl MeanBrdf for Cubature {
             fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
                 let Run(table, cap, wo) = self;
                 let view = View::new(table, wo);
-                let order = table.orders.of(cap.axis().as_vec3(), cap.height() as f32, wo.as_vec3());
-                if order == FAR {
-                    return model.f(cap.axis().to_array(), wo.to_array());
-                }
-                let order = usize::from(order);
-                let (rule, _) = rule(order);
+                let rule = table.bins.of(cap.axis().as_vec3(), cap.height() as f32, wo.as_vec3());
                 let axis = into_frame(cap.axis().to_array(), view.rotation);
-                let height = cap.height().max(f64::from(MIN_HEIGHT));
-                let (sum, area) = numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule);
-                let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
-                // The smallest caps on the horizon can vanish in rounding.
-                sum.max(0.0) / area.max(1e-30)
+                mean(model, &view, axis, cap.height().max(f64::from(MIN_HEIGHT)), &nodes(usize::from(rule)).0)
             }
         }
         if wo.z <= 0.0 {
@@ -193,34 +177,29 @@ fn into_frame<T: Real>([x, y, z]: [T; 3], (c, s): (f64, f64)) -> [T; 3] {
 #[inline(always)]
 fn batch<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBatch, wo: DVec3, out: &mut [f32]) {
     let view = View::new(table, wo);
-    let towards = wo.as_vec3().to_array().map(|w| f32x16::splat(simd, w));
-    let factor = model.factor(towards);
     for start in (0..caps.len()).step_by(CHUNK) {
+        // Caps of one rule together, by counting.
         let count = CHUNK.min(caps.len() - start);
-        // Caps of one order together.
-        let mut picked = [[0u32; CHUNK]; ORDERS.len() + 1];
-        let mut filled = [0; ORDERS.len() + 1];
-        for block in (start..start + count).step_by(LANES) {
-            let lanes = caps.lanes(block).map(|lanes| f32x16::load_array_ref(simd, lanes));
-            let orders = table.orders.of_lanes(simd, lanes, wo.as_vec3());
-            let lanes_used = LANES.min(start + count - block);
-            let before = filled[usize::from(FAR)];
-            for (i, &order) in orders[..lanes_used].iter().enumerate() {
-                let order = (order as usize).min(ORDERS.len());
-                picked[order][filled[order]] = (block + i) as u32;
-                filled[order] += 1;
-            }
-            if filled[usize::from(FAR)] > before {
-                let [x, y, z, _] = lanes;
-                let at_axis = simd.vectorize(
-                    #[inline(always)]
-                    || model.rest([x, y, z], towards) * factor,
-                );
-                out[block..block + lanes_used].copy_from_slice(&at_axis.to_array()[..lanes_used]);
+        let (mut rules, mut counts) = ([0u8; CHUNK], [0; RULES.len()]);
+        for block in (0..count).step_by(LANES) {
+            let lanes = caps.lanes(start + block).map(|lanes| f32x16::load_array_ref(simd, lanes));
+            let found = table.bins.of_lanes(simd, lanes, wo.as_vec3());
+            for (rule, found) in rules[block..count].iter_mut().zip(found) {
+                *rule = (found as u8).min(RULES.len() as u8 - 1);
+                counts[usize::from(*rule)] += 1;
             }
         }
-        for (order, (picked, filled)) in picked.iter().zip(filled).enumerate().take(ORDERS.len()) {
-            picked_caps(simd, model, &view, order, caps, &picked[..filled], &mut |i, value| out[i] = value);
+        let (mut picked, mut ends) = ([0u32; CHUNK], [0; RULES.len()]);
+        for i in 1..RULES.len() {
+            ends[i] = ends[i - 1] + counts[i - 1];
+        }
+        for (i, &rule) in (start as u32..).zip(&rules[..count]) {
+            let end = &mut ends[usize::from(rule)];
+            picked[*end] = i;
+            *end += 1;
+        }
+        for (rule, (&count, &end)) in counts.iter().zip(&ends).enumerate() {
+            picked_caps(simd, model, &view, rule, caps, &picked[end - count..end], &mut |i, value| out[i] = value);
         }
     }
 }
@@ -240,43 +219,51 @@ impl View {
     }
 }
 
-/// The means over the caps listed in `picked`, by the rule of one order, handed to `store` with their index.
+/// The mean over one cap, or a vector of them, in the frame of `wo`.
+#[inline(always)]
+fn mean<T: Real, M: Formula>(model: &M, view: &View, axis: [T; 3], height: T, nodes: &Nodes<T::Scalar>) -> T {
+    let zero = height.lit(0.0);
+    let (sum, area) = match nodes {
+        Nodes::Disc(rings) => {
+            let wo = [zero.lit(view.lobe.sin_o), zero, zero.lit(view.lobe.cos_o)];
+            disc(model, wo, view.turn, axis, height, rings)
+        }
+        Nodes::Product(rule) => {
+            let sum = numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule);
+            (sum, projected_solid_angle(axis[2], height))
+        }
+    };
+    // The smallest caps on the horizon can vanish in rounding.
+    sum.max(zero) * area.max(zero.lit(1e-30)).recip()
+}
+
+/// The means over the caps listed in `picked`, by one rule, handed to `store` with their index.
 #[inline(always)]
 fn picked_caps<S: Simd, M: Formula>(
     simd: S,
     model: &M,
     view: &View,
-    order: usize,
+    rule: usize,
     caps: &CapBatch,
     picked: &[u32],
     store: &mut impl FnMut(usize, f32),
 ) {
-    let (_, rule) = rule(order);
+    let (_, nodes) = nodes(rule);
     for block in picked.chunks(LANES) {
         let (axis, height) = gather(simd, caps, block, view);
-        let (sum, area) = simd.vectorize(
+        let values = simd.vectorize(
             #[inline(always)]
-            || numerator(model, &view.lobe, view.turn, axis, height, Side::Above, rule),
+            || mean(model, view, axis, height, nodes),
         );
-        let area = if order <= SELF_NORMALISED { area } else { projected_solid_angle(axis[2], height) };
-        let values = (Real::max(sum, height.lit(0.0)) * Real::max(area, height.lit(1e-30)).recip()).to_array();
-        for (&i, value) in block.iter().zip(values) {
+        for (&i, value) in block.iter().zip(values.to_array()) {
             store(i as usize, value);
         }
     }
 }
 
-/// Axes in the frame of `wo`, and heights, of up to sixteen listed caps; lanes to spare repeat the last.
+/// Axes in the frame of `wo`, and heights, of up to sixteen listed caps.
 #[inline(always)]
 fn gather<S: Simd>(simd: S, caps: &CapBatch, block: &[u32], view: &View) -> ([f32x16<S>; 3], f32x16<S>) {
-    let mut lanes = [[0f32; LANES]; 4];
-    for k in 0..LANES {
-        let i = block[k.min(block.len() - 1)] as usize;
-        lanes[0][k] = caps.axis[0][i];
-        lanes[1][k] = caps.axis[1][i];
-        lanes[2][k] = caps.axis[2][i];
-        lanes[3][k] = caps.height[i];
-    }
-    let [x, y, z, height] = lanes.map(|lane| f32x16::load_array(simd, lane));
+    let [x, y, z, height] = caps.gather(block).map(|lane| f32x16::load_array(simd, lane));
     (into_frame([x, y, z], view.rotation), height)
 }

@@ -5,7 +5,7 @@ use super::monte_carlo::MonteCarlo;
 use super::{Chart, Curve, Point};
 use anyhow::Context;
 use brdf_tables::brdf::Specular;
-use brdf_tables::cubature::{Cubature, ORDERS};
+use brdf_tables::cubature::{Cubature, RULES};
 use brdf_tables::material::Material;
 use brdf_tables::mean::Exact;
 use brdf_tables::table::{Representation, Table};
@@ -15,7 +15,7 @@ use fitter::zonal;
 
 /// Sizes of the zonal table.
 const ZONAL: [(usize, usize); 7] = [(6, 4), (8, 6), (12, 8), (16, 12), (24, 16), (48, 32), (96, 64)];
-/// Tolerances of the cubature whose order varies from cell to cell.
+/// Tolerances of the cubature whose rule varies from cell to cell.
 const FITTED: [f64; 4] = [0.02, 0.005, 0.001, 0.0003];
 /// Tolerances of the exact quadrature.
 const EXACT: [f64; 3] = [0.1, 0.001, 0.00001];
@@ -87,9 +87,7 @@ fn zonal_points(bench: &Bench, specular: Specular) -> Vec<Point> {
 }
 
 fn cubature_points(bench: &Bench, specular: Specular) -> Vec<Point> {
-    let orders = ORDERS.iter().enumerate();
-    let rules = orders.filter_map(|(i, order)| Some((order, Cubature::uniform(specular, i as u8)?)));
-    rules.map(|(order, rule)| bench.point(format!("order {order}"), &rule, None)).collect()
+    RULES.iter().map(|&rule| bench.point(rule.to_string(), &Cubature::uniform(specular, rule), None)).collect()
 }
 
 fn exact_points(bench: &Bench, specular: Specular) -> Vec<Point> {
@@ -102,7 +100,7 @@ fn sampled_points(bench: &Bench, specular: Specular, seed: u64) -> Vec<Point> {
     SAMPLES.map(point).into()
 }
 
-/// Cubature with its order chosen per cell, at several tolerances.
+/// Cubature with its rule chosen per cell, at several tolerances.
 fn fitted_points(bench: &Bench, what: &Measurement) -> anyhow::Result<Vec<Point>> {
     let point = |&tolerance: &f64| {
         let table = fitted(what, Choice::Cubature, SolverKind::LevenbergMarquardt, None, tolerance)?;

@@ -71,7 +71,7 @@ fn grid(table: &Table) -> String {
             let (rows, columns, ..) = t.parts();
             format!("{rows} x {columns} pairs")
         }
-        Representation::Cubature(t) => format!("orders at {} nodes", t.parts().1.len()),
+        Representation::Cubature(t) => format!("rules at {} nodes", t.parts().1.len()),
         Representation::Lobes(t) => {
             let (axes, lobes, _) = t.parts();
             format!("{lobes} lobes at {} x {} x {} nodes", axes.theta, axes.phi, axes.omega)

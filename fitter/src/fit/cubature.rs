@@ -1,11 +1,11 @@
-//! The order of the cubature per cell: the least that meets the tolerance there.
+//! The rule of the cubature per cell: the cheapest that meets the tolerance there.
 
 use super::{Fitted, Options, oracle, values};
 use crate::error::Directions;
 use brdf_tables::axis::Axes;
 use brdf_tables::brdf::{Brdf, Specular};
 use brdf_tables::cap::Cap;
-use brdf_tables::cubature::{Cubature, Node, ORDERS, OUTER};
+use brdf_tables::cubature::{Cubature, NONE, Node, OUTER, RULES, Rule};
 use brdf_tables::frame::mirror;
 use brdf_tables::table::Representation;
 use core::f64::consts::PI;
@@ -13,13 +13,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Fits the orders.
+/// Fits the rules.
 pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
     let phi = if specular.is_isotropic() { 1 } else { 5 };
     let axes = Axes { theta: 13, phi, omega: 24, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
     let oracle = oracle(*specular);
-    let candidates: Vec<Cubature> =
-        (0..ORDERS.len() as u8).filter_map(|order| Cubature::uniform(*specular, order)).collect();
+    let candidates = RULES.map(|rule| Cubature::uniform(*specular, rule));
     let done = AtomicUsize::new(0);
     let nodes: Vec<Node> = (0..axes.len())
         .into_par_iter()
@@ -34,20 +33,24 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
                 // The tail of a lobe weighs little in rmse_lobe, but it holds much of the energy of GGX.
                 within(errors.rmse_lobe, 1.0) && within(errors.l1, 3.0) && within(errors.albedo, 1.5)
             };
-            let order = candidates.iter().position(meets).unwrap_or(ORDERS.len() - 1) as u8;
+            let cheapest = |discs: bool| {
+                let mut of_a_kind = (0..RULES.len()).filter(|&i| matches!(RULES[i], Rule::Disc(_)) == discs);
+                of_a_kind.find(|&i| meets(&candidates[i])).map(|i| i as u8)
+            };
+            let (disc, product) = (cheapest(true).unwrap_or(NONE), cheapest(false).unwrap_or(RULES.len() as u8 - 1));
             (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64);
             let at_axis: Vec<f64> = directions.wo.iter().map(|&wo| specular.eval(lit(cap.axis()), wo)).collect();
             let outer = values(&candidates[usize::from(OUTER)], &cap, &directions);
             let beyond = |cheap: &[f64]| steps(begins(&directions, &cap, &exact, cheap, options.tolerance));
-            Node { order, outer: beyond(&outer), far: beyond(&at_axis) }
+            Node { disc, product, outer: beyond(&outer), far: beyond(&at_axis) }
         })
         .collect();
-    let mut count = [0usize; ORDERS.len()];
-    nodes.iter().for_each(|node| count[usize::from(node.order)] += 1);
+    let mut count = [0usize; RULES.len()];
+    nodes.iter().for_each(|node| count[usize::from(node.disc.min(node.product))] += 1);
     let spread: Vec<String> =
-        ORDERS.iter().zip(count).filter(|c| c.1 > 0).map(|(o, c)| format!("{o}×{o}: {c}")).collect();
-    let table = Cubature::new(*specular, axes, &nodes).expect("one order per node");
-    let notes = vec![format!("rule per cell (evaluations of the model: cells): {}", spread.join(", "))];
+        RULES.iter().zip(count).filter(|c| c.1 > 0).map(|(rule, c)| format!("{rule}: {c}")).collect();
+    let table = Cubature::new(*specular, axes, &nodes).expect("one rule per node");
+    let notes = vec![format!("rule per cell (nodes: cells): {}", spread.join(", "))];
     Fitted { representation: Representation::Cubature(table), notes }
 }
 

@@ -3,25 +3,26 @@
 //! A table has nodes on [`Axes`], where a fit is efficient. A look-up divides cosθe, the azimuth and the height of the cap
 //! into bins that are found by a multiplication and a shift; a bin holds the largest of all nodes around it.
 
+use super::rule::{NONE, RULES, Rule};
 use crate::axis::Axes;
 use crate::real::{LANES, Real};
 use core::f64::consts::{PI, TAU};
 use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
 use glam::Vec3;
 
-/// Orders a cell may ask for, in both directions; a table stores indices into this list.
-pub const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
-/// Order index (2 × 2) for views beyond the outer angle of a node.
-pub const OUTER: u8 = 1;
-/// Instead of an order, for views beyond the far angle of a node: the BRDF at the cap's axis stands for the mean.
-pub const FAR: u8 = ORDERS.len() as u8;
+/// Index of the rule for views beyond the outer angle of a node.
+pub const OUTER: u8 = Rule::Disc(4).index();
+/// For views beyond the far angle of a node: the BRDF at the cap's axis stands for the mean.
+const FAR: u8 = Rule::Disc(1).index();
 
-/// What a table says of one node: the order index within the lobe, and the angles between `wo` and the mirrored cap axis,
-/// in steps of π/255 rounded up, beyond which the 2 × 2 rule and the BRDF at the axis do.
+/// What a table says of one node: the cheapest rule of either kind within the lobe, and the angles between `wo` and the
+/// mirrored cap axis, in steps of π/255 rounded up, beyond which a disc of 4 nodes and the BRDF at the axis do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Node {
-    /// Index into [`ORDERS`].
-    pub order: u8,
+    /// Disc rule, an index into [`RULES`], or [`NONE`].
+    pub disc: u8,
+    /// Product rule, an index into [`RULES`].
+    pub product: u8,
     /// Where [`OUTER`] begins to do.
     pub outer: u8,
     /// Where the BRDF at the axis begins to do.
@@ -29,16 +30,33 @@ pub struct Node {
 }
 
 impl Node {
-    /// The larger of each number.
-    fn or(self, other: Self) -> Self {
-        Self { order: self.order.max(other.order), outer: self.outer.max(other.outer), far: self.far.max(other.far) }
+    /// Whether the indices are those of such rules.
+    fn is_valid(self) -> bool {
+        let rule = |index: u8| RULES.get(usize::from(index));
+        (self.disc == NONE || matches!(rule(self.disc), Some(Rule::Disc(_))))
+            && matches!(rule(self.product), Some(Rule::Product(_)))
     }
 
-    /// The order in the low 4 bits, then the squares of the chords of `outer` and `far`, (2 sin ½s)², in 14 bits each.
+    /// The larger of each number.
+    fn or(self, other: Self) -> Self {
+        Self {
+            disc: self.disc.max(other.disc),
+            product: self.product.max(other.product),
+            outer: self.outer.max(other.outer),
+            far: self.far.max(other.far),
+        }
+    }
+
+    /// The cheaper rule of the two.
+    fn rule(self) -> u8 {
+        self.disc.min(self.product)
+    }
+
+    /// The rule in the low 4 bits, then the squares of the chords of `outer` and `far`, (2 sin ½s)², in 14 bits each.
     fn packed(self) -> u32 {
         let chord2 = |angle: u8| (2.0 * (0.5 * PI * f64::from(angle) / 255.0).sin()).powi(2);
         let bits = |angle: u8| ((chord2(angle) * CHORD_STEPS).ceil() as u32).min(CHORD_MASK);
-        u32::from(self.order) | bits(self.outer) << 4 | bits(self.far) << 18
+        u32::from(self.rule()) | bits(self.outer) << 4 | bits(self.far) << 18
     }
 }
 
@@ -57,20 +75,20 @@ const HEIGHTS: usize = (LAST - FIRST + 1) as usize;
 
 /// The bins.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Orders {
+pub struct Bins {
     azimuths: usize,
-    bins: Vec<u32>,
-    largest: u8,
+    cells: Vec<u32>,
+    finest: u8,
 }
 
-impl Orders {
-    /// From the nodes of `axes`; `None` when an order index or the count is wrong.
+impl Bins {
+    /// From the nodes of `axes`; `None` when the index of a rule or the count is wrong.
     pub fn new(axes: Axes, nodes: &[Node]) -> Option<Self> {
-        if nodes.len() != axes.len() || nodes.iter().any(|n| n.order >= FAR) {
+        if nodes.len() != axes.len() || !nodes.iter().all(|n| n.is_valid()) {
             return None;
         }
         let azimuths = if axes.phi == 1 { 1 } else { AZIMUTHS };
-        let mut bins = Vec::with_capacity(COSINES * azimuths * HEIGHTS);
+        let mut cells = Vec::with_capacity(COSINES * azimuths * HEIGHTS);
         let cosine = |i: usize| i as f64 / COSINES as f64;
         // |y|/(|x| + |y|) of a horizontal direction is uniform in the bins.
         let azimuth = |i: usize| {
@@ -98,36 +116,36 @@ impl Orders {
                             }
                         }
                     }
-                    bins.push(node.packed());
+                    cells.push(node.packed());
                 }
             }
         }
-        let largest = nodes.iter().map(|n| n.order).max().unwrap_or(0);
-        Some(Self { azimuths, bins, largest })
+        let finest = nodes.iter().map(|n| n.product).max().unwrap_or(0);
+        Some(Self { azimuths, cells, finest })
     }
 
-    /// The largest order index.
-    pub fn largest(&self) -> usize {
-        usize::from(self.largest)
+    /// The finest product rule.
+    pub fn finest(&self) -> usize {
+        usize::from(self.finest)
     }
 
-    /// The order index of a cap, or [`FAR`].
+    /// The index of the rule of a cap.
     pub fn of(&self, axis: Vec3, height: f32, wo: Vec3) -> u8 {
         let z = ((axis.z * COSINES as f32) as usize).min(COSINES - 1);
         let (x, y) = (axis.x.abs(), axis.y.abs());
         let a = ((y / (x + y).max(1e-30) * self.azimuths as f32) as usize).min(self.azimuths - 1);
         let h = ((height.to_bits() >> SHIFT).clamp(FIRST, LAST) - FIRST) as usize;
-        let bin = self.bins[(z * self.azimuths + a) * HEIGHTS + h];
+        let bin = self.cells[(z * self.azimuths + a) * HEIGHTS + h];
         let distance2 = (wo - Vec3::new(-axis.x, -axis.y, axis.z)).length_squared() * CHORD_STEPS as f32;
-        let order = (bin & 15) as u8;
+        let rule = (bin & 15) as u8;
         match distance2 {
             d if d > (bin >> 18) as f32 => FAR,
-            d if d > (bin >> 4 & CHORD_MASK) as f32 => order.min(OUTER),
-            _ => order,
+            d if d > (bin >> 4 & CHORD_MASK) as f32 => rule.min(OUTER),
+            _ => rule,
         }
     }
 
-    /// [`Orders::of`] for a vector of caps.
+    /// [`Bins::of`] for a vector of caps.
     #[inline(always)]
     pub fn of_lanes<S: Simd>(&self, simd: S, [x, y, z, height]: [f32x16<S>; 4], wo: Vec3) -> [u32; LANES] {
         let count = self.azimuths as f64;
@@ -141,14 +159,14 @@ impl Orders {
             row = row * self.azimuths as u32 + azimuth.min(self.azimuths as u32 - 1);
         }
         let index = (row * HEIGHTS as u32 + height).to_array();
-        let last = self.bins.len() - 1;
-        let bins = u32x16::load_array(simd, index.map(|i| self.bins[(i as usize).min(last)]));
+        let last = self.cells.len() - 1;
+        let bins = u32x16::load_array(simd, index.map(|i| self.cells[(i as usize).min(last)]));
         let distance2 = ((x + wo.x).sq() + (y + wo.y).sq() + (z - wo.z).sq()) * x.lit(CHORD_STEPS);
-        let order = bins & 15;
+        let rule = bins & 15;
         let (outer, far): (f32x16<S>, f32x16<S>) = ((bins >> 4 & CHORD_MASK).to_float(), (bins >> 18).to_float());
-        let order = distance2.simd_gt(outer).select(order.min(u32::from(OUTER)), order);
+        let rule = distance2.simd_gt(outer).select(rule.min(u32::from(OUTER)), rule);
         let far_away = u32x16::splat(simd, u32::from(FAR));
-        distance2.simd_gt(far).select(far_away, order).to_array()
+        distance2.simd_gt(far).select(far_away, rule).to_array()
     }
 }
 
@@ -170,9 +188,14 @@ mod tests {
         for phi in [1, 5] {
             let axes = Axes { theta: 9, phi, omega: 11, sharpness: 60.0, stretch: 0.5 };
             let nodes: Vec<Node> = (0..axes.len())
-                .map(|i| Node { order: (i * 7 % 10) as u8, outer: (i * 31 % 200) as u8, far: (i * 57 % 256) as u8 })
+                .map(|i| Node {
+                    disc: [0, 1, 4, NONE][i * 7 % 4],
+                    product: [7, 9, 14][i % 3],
+                    outer: (i * 31 % 200) as u8,
+                    far: (i * 57 % 256) as u8,
+                })
                 .collect();
-            let orders = Orders::new(axes, &nodes).unwrap();
+            let bins = Bins::new(axes, &nodes).unwrap();
             for i in 0..2000 {
                 let u = |k: f64| (f64::from(i) * k).fract();
                 let cap = Cap::new(FRAC_PI_2 * u(0.618), TAU * u(0.414), TAU * u(0.733).powi(6).max(1e-12)).unwrap();
@@ -185,11 +208,11 @@ mod tests {
                 let at_least = [t, t + 1]
                     .into_iter()
                     .flat_map(|t| [p, p_end].into_iter().flat_map(move |p| [(t, p, o), (t, p, o + 1)]))
-                    .fold(0, |a, (t, p, o)| a.max(nodes[axes.index(t, p, o)].order));
-                // Seen from the mirror direction the order within the lobe holds.
+                    .fold(0, |a, (t, p, o)| a.max(nodes[axes.index(t, p, o)].rule()));
+                // Seen from the mirror direction the rule within the lobe holds.
                 let (axis, height) = (cap.axis().as_vec3(), cap.height() as f32);
                 let wo = Vec3::new(-axis.x, -axis.y, axis.z);
-                assert!(orders.of(axis, height, wo) >= at_least, "{cap:?}");
+                assert!(bins.of(axis, height, wo) >= at_least, "{cap:?}");
             }
         }
     }
@@ -197,28 +220,34 @@ mod tests {
     #[test]
     fn lanes_and_scalar_agree() {
         #[inline(always)]
-        fn check<S: Simd>(simd: S, orders: &Orders) {
+        fn check<S: Simd>(simd: S, bins: &Bins) {
             for i in 0..2000 {
                 let u = |k: f64| (f64::from(i) * k).fract();
                 let cap = Cap::new(FRAC_PI_2 * u(0.618), TAU * u(0.414), TAU * u(0.733).powi(6).max(1e-12)).unwrap();
                 let wo = crate::frame::spherical(1.5 * u(0.271), TAU * u(0.161)).as_vec3();
                 let (axis, height) = (cap.axis().as_vec3(), cap.height() as f32);
                 let lanes = [axis.x, axis.y, axis.z, height].map(|x| f32x16::splat(simd, x));
-                let found = orders.of_lanes(simd, lanes, wo);
-                assert_eq!(found, [u32::from(orders.of(axis, height, wo)); LANES], "{cap:?}");
+                let found = bins.of_lanes(simd, lanes, wo);
+                assert_eq!(found, [u32::from(bins.of(axis, height, wo)); LANES], "{cap:?}");
             }
         }
         let axes = Axes { theta: 5, phi: 3, omega: 7, sharpness: 20.0, stretch: 1.0 };
-        let nodes: Vec<Node> = (0..axes.len()).map(|i| Node { order: (i % 10) as u8, outer: 40, far: 120 }).collect();
-        let orders = Orders::new(axes, &nodes).unwrap();
-        dispatch!(Level::new(), simd => check(simd, &orders));
+        let nodes: Vec<Node> = (0..axes.len())
+            .map(|i| Node { disc: [0, 3, 6, NONE][i % 4], product: [7, 10][i % 2], outer: 40, far: 120 })
+            .collect();
+        let bins = Bins::new(axes, &nodes).unwrap();
+        dispatch!(Level::new(), simd => check(simd, &bins));
     }
 
     #[test]
     fn wrong_nodes_are_refused() {
         let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
-        let node = Node { order: FAR, outer: 0, far: 0 };
-        assert!(Orders::new(axes, &[Node::default(); 4]).is_some());
-        assert!(Orders::new(axes, &[Node::default(); 3]).is_none() && Orders::new(axes, &[node; 4]).is_none());
+        let node = |disc, product| Node { disc, product, outer: 0, far: 0 };
+        let accepted = |node, count| Bins::new(axes, &vec![node; count]).is_some();
+        assert!(accepted(node(3, 7), 4) && accepted(node(NONE, 14), 4));
+        assert!(!accepted(node(3, 7), 3));
+        for (disc, product) in [(7, 7), (3, 3), (3, NONE), (NONE + 1, 7), (255, 255)] {
+            assert!(!accepted(node(disc, product), 4), "{disc} {product}");
+        }
     }
 }
