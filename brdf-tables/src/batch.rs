@@ -79,7 +79,7 @@ impl CapBatch {
             .map(|column| column[start..start + LANES].first_chunk().expect("columns are padded to whole vectors"))
     }
 
-    /// Up to sixteen listed caps as lanes; those to spare repeat the last.
+    /// Up to [`LANES`] listed caps as lanes; those to spare repeat the last.
     #[inline(always)]
     pub(crate) fn gather(&self, picked: &[u32]) -> [[f32; LANES]; 4] {
         let mut lanes = [[0f32; LANES]; 4];
@@ -96,6 +96,12 @@ impl CapBatch {
 
 /// Below this height (Ω ≈ 6e-13 sr) the mean over the cap is the BRDF itself to f32 precision.
 pub(crate) const MIN_HEIGHT: f32 = 1e-13;
+
+/// A list in blocks for [`CapBatch::gather`], each with whether half a vector holds it.
+#[inline(always)]
+pub(crate) fn blocks(picked: &[u32]) -> impl Iterator<Item = (&[u32], bool)> {
+    picked.chunks(LANES).map(|block| (block, block.len() <= LANES / 2))
+}
 
 impl<'a> FromIterator<&'a Cap> for CapBatch {
     fn from_iter<I: IntoIterator<Item = &'a Cap>>(caps: I) -> Self {

@@ -10,14 +10,14 @@
 //! large cap are enough; about the axis alone they would follow cos δ there.
 //! Nothing is fitted: the only errors are those of bilinear interpolation and of 16-bit storage.
 
-use crate::batch::{CapBatch, MIN_HEIGHT};
+use crate::batch::{CapBatch, MIN_HEIGHT, blocks};
 use crate::brdf::Specular;
 use crate::cap::{Cap, projected_solid_angle};
 use crate::cubature::{Cubature, Rule};
 use crate::mean::MeanBrdf;
-use crate::real::{LANES, Real};
+use crate::real::{LANES, Real, Vector};
 use core::f64::consts::PI;
-use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// Reach of the table beyond the edge of the cap, in lobe widths 1/√n: the lobe is e⁻¹⁵ there.
@@ -247,35 +247,17 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
                 nears += usize::from(reached > 0.0);
             }
         }
-        // Caps that cross the horizon with their whole integrals, and those to integrate directly.
-        let (mut cut, mut whole, mut cuts) = ([0u32; CHUNK], [0f32; CHUNK], 0);
-        let (mut direct, mut directs) = ([0u32; CHUNK], 0);
-        for block in near[..nears].chunks(LANES) {
-            let [x, y, z, height] = caps.gather(block).map(|lane| f32x16::load_array(simd, lane));
-            let sum = table.numerator([x, y, z], height, direction);
-            let area = projected_solid_angle(z, height);
-            let values = (Real::max(sum, z.lit(0.0)) * Real::max(area, z.lit(1e-30)).recip()).to_array();
-            for (&i, value) in block.iter().zip(values) {
-                out[i as usize] = value;
-            }
-            let crossing = crosses(z, height);
-            if crossing.any_true() {
-                let depth = Real::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
-                let depth = Real::select(crossing, depth, z.lit(0.0)).to_array();
-                let (sums, areas) = (sum.to_array(), area.to_array());
-                for (k, &i) in block.iter().enumerate() {
-                    if depth[k] == 1.0 {
-                        (cut[cuts], whole[cuts]) = (i, sums[k]);
-                        // The denominator takes the place of the value until the part below is known.
-                        out[i as usize] = areas[k];
-                        cuts += 1;
-                    } else if depth[k] == 2.0 {
-                        direct[directs] = i;
-                        directs += 1;
-                    }
-                }
-            }
+        let mut crossing = Crossing::default();
+        for (block, half) in blocks(&near[..nears]) {
+            let lanes = caps.gather(block);
+            let values = if half {
+                whole_caps::<S, f32x8<S>>(simd, table, &lanes, wo)
+            } else {
+                whole_caps::<S, f32x16<S>>(simd, table, &lanes, wo)
+            };
+            crossing.sort(block, &values, out);
         }
+        let Crossing { cut, mut whole, cuts, direct, directs } = crossing;
         table.clipped.clip(simd, caps, &cut[..cuts], wo, &mut whole[..cuts]);
         for (&i, &sum) in cut[..cuts].iter().zip(&whole[..cuts]) {
             let out = &mut out[i as usize];
@@ -283,6 +265,59 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
         }
         table.clipped.values_at(simd, caps, &direct[..directs], wo, |i, value| out[i] = value);
     }
+}
+
+/// Caps of a chunk that cross the horizon: those to take the part below away from, with their whole integrals, and those to
+/// integrate directly.
+struct Crossing {
+    cut: [u32; CHUNK],
+    whole: [f32; CHUNK],
+    cuts: usize,
+    direct: [u32; CHUNK],
+    directs: usize,
+}
+
+impl Default for Crossing {
+    fn default() -> Self {
+        Self { cut: [0; CHUNK], whole: [0.0; CHUNK], cuts: 0, direct: [0; CHUNK], directs: 0 }
+    }
+}
+
+impl Crossing {
+    /// Stores the means of the caps of `block` that lie above the horizon, and notes the others.
+    #[inline(always)]
+    fn sort(&mut self, block: &[u32], [sums, areas, depths]: &[[f32; LANES]; 3], out: &mut [f32]) {
+        for (k, &i) in block.iter().enumerate() {
+            // Where the horizon cuts, the denominator takes the place of the value until the part below is known.
+            out[i as usize] = if depths[k] == 0.0 { sums[k].max(0.0) / areas[k].max(1e-30) } else { areas[k] };
+            if depths[k] == 1.0 {
+                (self.cut[self.cuts], self.whole[self.cuts]) = (i, sums[k]);
+                self.cuts += 1;
+            } else if depths[k] == 2.0 {
+                self.direct[self.directs] = i;
+                self.directs += 1;
+            }
+        }
+    }
+}
+
+/// Whole integrals of a vector of caps, their projected solid angles, and 0 where the cap lies above the horizon, 1 where the
+/// part below is to be taken away, 2 where the part above is to be integrated.
+#[inline(always)]
+fn whole_caps<S: Simd, V: Vector<S>>(simd: S, table: &Zonal, lanes: &[[f32; LANES]; 4], wo: Vec3) -> [[f32; LANES]; 3] {
+    let mut values = [[0.0; LANES]; 3];
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let [x, y, z, height] = lanes.each_ref().map(|lanes| V::load(simd, lanes));
+            let wo = wo.to_array().map(|w| z.fill(w));
+            table.numerator([x, y, z], height, wo).store(&mut values[0]);
+            projected_solid_angle(z, height).store(&mut values[1]);
+            let depth = V::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
+            V::select(crosses(z, height), depth, z.lit(0.0)).store(&mut values[2]);
+        },
+    );
+    values
 }
 
 #[cfg(test)]

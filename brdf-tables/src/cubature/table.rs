@@ -6,12 +6,12 @@ use super::disc::disc;
 use super::rule::{NONE, Nodes, RULES, Rule, nodes};
 use super::{Footprint, Node, Side, holds_pole, numerator};
 use crate::axis::Axes;
-use crate::batch::{CapBatch, MIN_HEIGHT};
+use crate::batch::{CapBatch, MIN_HEIGHT, blocks};
 use crate::brdf::{Brdf, Formula, FormulaVisitor, GrayPolynomial, Specular, Visitor};
 use crate::cap::{Cap, projected_solid_angle};
 use crate::mean::MeanBrdf;
-use crate::real::{LANES, Real};
-use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use crate::real::{LANES, Real, Vector};
+use fearless_simd::{Level, Simd, dispatch, f32x8, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// Cap cubature of the model itself.
@@ -64,15 +64,12 @@ impl Cubature {
                 let (view, (_, Nodes::Product(rule))) = (View::new(table, wo), nodes(table.bins.finest())) else {
                     return;
                 };
-                for (block, whole) in picked.chunks(LANES).zip(whole.chunks_mut(LANES)) {
-                    let (axis, height) = gather(simd, caps, block, &view);
-                    let part = simd.vectorize(
-                        #[inline(always)]
-                        || numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule),
-                    );
-                    let pole = Real::select(holds_pole(axis, height), height.lit(1.0), height.lit(0.0)).to_array();
-                    for ((whole, part), pole) in whole.iter_mut().zip(part.to_array()).zip(pole) {
-                        *whole = if pole > 0.0 { part } else { *whole - part };
+                for ((block, half), whole) in blocks(picked).zip(whole.chunks_mut(LANES)) {
+                    let lanes = caps.gather(block);
+                    if half {
+                        above::<S, f32x8<S>, M>(simd, model, &view, rule, &lanes, whole);
+                    } else {
+                        above::<S, f32x16<S>, M>(simd, model, &view, rule, &lanes, whole);
                     }
                 }
             }
@@ -249,21 +246,60 @@ fn picked_caps<S: Simd, M: Formula>(
     store: &mut impl FnMut(usize, f32),
 ) {
     let (_, nodes) = nodes(rule);
-    for block in picked.chunks(LANES) {
-        let (axis, height) = gather(simd, caps, block, view);
-        let values = simd.vectorize(
-            #[inline(always)]
-            || mean(model, view, axis, height, nodes),
-        );
-        for (&i, value) in block.iter().zip(values.to_array()) {
+    for (block, half) in blocks(picked) {
+        let lanes = caps.gather(block);
+        let values = if half {
+            means::<S, f32x8<S>, M>(simd, model, view, nodes, &lanes)
+        } else {
+            means::<S, f32x16<S>, M>(simd, model, view, nodes, &lanes)
+        };
+        for (&i, value) in block.iter().zip(values) {
             store(i as usize, value);
         }
     }
 }
 
-/// Axes in the frame of `wo`, and heights, of up to sixteen listed caps.
+/// [`mean`] of a vector of caps.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, caps: &CapBatch, block: &[u32], view: &View) -> ([f32x16<S>; 3], f32x16<S>) {
-    let [x, y, z, height] = caps.gather(block).map(|lane| f32x16::load_array(simd, lane));
-    (into_frame([x, y, z], view.rotation), height)
+fn means<S: Simd, V: Vector<S>, M: Formula>(
+    simd: S,
+    model: &M,
+    view: &View,
+    nodes: &Nodes<f32>,
+    lanes: &[[f32; LANES]; 4],
+) -> [f32; LANES] {
+    let mut values = [0.0; LANES];
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let [x, y, z, height] = lanes.each_ref().map(|lanes| V::load(simd, lanes));
+            mean(model, view, into_frame([x, y, z], view.rotation), height, nodes).store(&mut values);
+        },
+    );
+    values
+}
+
+/// Takes the part below the horizon away from the `whole` integrals of a vector of caps.
+#[inline(always)]
+fn above<S: Simd, V: Vector<S>, M: Formula>(
+    simd: S,
+    model: &M,
+    view: &View,
+    rule: &[(f32, f32)],
+    lanes: &[[f32; LANES]; 4],
+    whole: &mut [f32],
+) {
+    let (mut parts, mut poles) = ([0.0; LANES], [0.0; LANES]);
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let [x, y, z, height] = lanes.each_ref().map(|lanes| V::load(simd, lanes));
+            let axis = into_frame([x, y, z], view.rotation);
+            numerator(model, &view.lobe, view.turn, axis, height, Side::Below, rule).store(&mut parts);
+            V::select(holds_pole(axis, height), height.lit(1.0), height.lit(0.0)).store(&mut poles);
+        },
+    );
+    for ((whole, part), pole) in whole.iter_mut().zip(parts).zip(poles) {
+        *whole = if pole > 0.0 { part } else { *whole - part };
+    }
 }
