@@ -1,5 +1,6 @@
 //! The table of a material: read from a folder, or fitted there.
 
+use brdf_tables::format::{FormatError, VERSION};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
 use fitter::fit::{Choice, FitError, Options, TOLERANCE, fit};
@@ -24,7 +25,7 @@ pub enum TableError {
         /// The file.
         path: String,
         /// What is wrong.
-        source: brdf_tables::format::FormatError,
+        source: FormatError,
     },
     /// A material cannot be fitted.
     #[error("{recipe}: {source}")]
@@ -43,12 +44,13 @@ pub struct Tables {
     known: Vec<Table>,
     /// Time spent on fitting.
     pub fitting: Duration,
-    /// One line per fitted table, for people.
+    /// One line per table fitted or passed over, for people.
     pub notes: Vec<String>,
 }
 
 impl Tables {
-    /// Reads all tables (`*.tbl`) of a folder, in the order of their names; a folder that does not exist yet is empty.
+    /// Reads all tables (`*.tbl`) of a folder, in the order of their names; a folder that does not exist yet is empty, and
+    /// tables of an earlier version of the format count as not there.
     ///
     /// # Errors
     /// A folder or table that cannot be read.
@@ -67,8 +69,14 @@ impl Tables {
         }
         files.sort();
         for path in files {
-            let format = |source| TableError::Format { path: path.display().to_string(), source };
-            tables.known.push(Table::load(&path).map_err(format)?);
+            match Table::load(&path) {
+                Ok(table) => tables.known.push(table),
+                // What an earlier fitter left is fitted anew where a scene needs it.
+                Err(FormatError::Version(version)) if version < VERSION => {
+                    tables.notes.push(format!("{}: passed over, table version {version}", path.display()));
+                }
+                Err(source) => return Err(TableError::Format { path: path.display().to_string(), source }),
+            }
         }
         Ok(tables)
     }
@@ -145,6 +153,21 @@ mod tests {
         std::fs::write(folder.path().join("bad.tbl"), b"nothing").unwrap();
         let error = Tables::open(folder.path()).unwrap_err().to_string();
         assert!(error.contains("bad.tbl"), "{error}");
+    }
+
+    #[test]
+    fn a_table_of_an_earlier_version_is_fitted_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
+        let table = Tables::open(folder.path()).unwrap().find(&recipe).unwrap();
+        let path = folder.path().join(file_name(&recipe.recipe_text()));
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[8..12].copy_from_slice(&(VERSION - 1).to_le_bytes());
+        std::fs::write(&path, &bytes).unwrap();
+        let mut tables = Tables::open(folder.path()).unwrap();
+        assert_eq!(tables.find(&recipe).unwrap(), table);
+        assert!(tables.notes[0].contains("passed over") && tables.notes[1].contains("fitted"), "{:?}", tables.notes);
+        assert_eq!(Table::load(&path).unwrap(), table);
     }
 
     #[test]

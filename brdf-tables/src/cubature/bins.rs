@@ -7,6 +7,7 @@ use super::rule::{NONE, RULES, Rule};
 use crate::axis::Axes;
 use crate::real::{LANES, Real};
 use core::f64::consts::{PI, TAU};
+use core::fmt;
 use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
 use glam::Vec3;
 
@@ -74,11 +75,19 @@ const LAST: u32 = 127 << 2;
 const HEIGHTS: usize = (LAST - FIRST + 1) as usize;
 
 /// The bins.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Bins {
     azimuths: usize,
     cells: Vec<u32>,
     finest: u8,
+}
+
+/// Without the cells: there are thousands.
+impl fmt::Debug for Bins {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { azimuths, cells, finest } = self;
+        f.debug_struct("Bins").field("azimuths", azimuths).field("cells", &cells.len()).field("finest", finest).finish()
+    }
 }
 
 impl Bins {

@@ -5,7 +5,7 @@ use super::monte_carlo::MonteCarlo;
 use super::{Chart, Curve, Point};
 use anyhow::Context;
 use brdf_tables::brdf::Specular;
-use brdf_tables::cubature::{Cubature, RULES};
+use brdf_tables::cubature::{Cubature, RULES, Rule};
 use brdf_tables::material::Material;
 use brdf_tables::mean::Exact;
 use brdf_tables::table::{Representation, Table};
@@ -54,7 +54,8 @@ pub fn measure(what: &Measurement) -> anyhow::Result<Chart> {
     if radial {
         methods.push(("zonal".into(), Box::new(move |bench| Ok(zonal_points(bench, specular)))));
     }
-    methods.push(("cubature (no table)".into(), Box::new(move |bench| Ok(cubature_points(bench, specular)))));
+    methods.push(("disc rules (no table)".into(), Box::new(move |bench| Ok(rule_points(bench, specular, true)))));
+    methods.push(("product rules (no table)".into(), Box::new(move |bench| Ok(rule_points(bench, specular, false)))));
     methods.push(("cubature table".into(), Box::new(|bench| fitted_points(bench, what))));
     for &solver in what.solvers {
         methods.push((format!("lobes {solver}"), Box::new(move |b| lobe_points(b, what, Choice::Lobes, solver))));
@@ -86,8 +87,10 @@ fn zonal_points(bench: &Bench, specular: Specular) -> Vec<Point> {
         .collect()
 }
 
-fn cubature_points(bench: &Bench, specular: Specular) -> Vec<Point> {
-    RULES.iter().map(|&rule| bench.point(rule.to_string(), &Cubature::uniform(specular, rule), None)).collect()
+/// Rules of one kind, each used for every cap.
+fn rule_points(bench: &Bench, specular: Specular, discs: bool) -> Vec<Point> {
+    let of_a_kind = RULES.into_iter().filter(|rule| matches!(rule, Rule::Disc(_)) == discs);
+    of_a_kind.map(|rule| bench.point(rule.to_string(), &Cubature::uniform(specular, rule), None)).collect()
 }
 
 fn exact_points(bench: &Bench, specular: Specular) -> Vec<Point> {
