@@ -93,16 +93,21 @@ fn assert_self_contained(page: &str) {
     assert!(!page.contains("NaN") && !page.contains("inf "));
 }
 
-const SWEEP: &str = "scene.xml --methods path,eas --times 0.05,0.1 --taus 0.2 --spp 4 --reference-time 0.5 -o out";
+const SWEEP: &str = "scene.xml --methods path,eas --times 0.05,0.1 --taus 0.2 --sources 10 --spp 4 \
+                     --reference-time 0.5 -o out";
 
 #[test]
 fn a_sweep_is_written_and_goes_on_where_it_stopped() {
     let f = Folder::new();
     let said = f.ok(SWEEP);
-    assert_eq!(said.len(), 5, "{said:?}");
+    assert_eq!(said.len(), 6, "{said:?}");
     let table = f.text("out/chart.csv");
-    assert_eq!(column(&table, "method"), ["path", "path", "eas", "eas", "eas"]);
-    assert_eq!(column(&table, "setting"), ["time=0.05", "time=0.1", "time=0.05", "time=0.1", "tau=0.2"]);
+    assert_eq!(column(&table, "method"), ["path", "path", "eas", "eas", "eas", "eas"]);
+    assert_eq!(
+        column(&table, "setting"),
+        ["time=0.05", "time=0.1", "time=0.05", "time=0.1", "tau=0.2", "sources=10,tau=0.2"]
+    );
+    assert_eq!(numbers(&table, "size")[5], 10.0);
     assert!(numbers(&table, "rel_mse").iter().all(|e| *e > 0.0 && *e < 1.0), "{table}");
     for (name, row) in [("records", 4), ("glossy_records", 4), ("size", 4), ("bytes_per_record", 4), ("fill", 4)] {
         assert!(numbers(&table, name)[row] > 0.0 && numbers(&table, name)[0] == 0.0, "{name}: {table}");
@@ -111,7 +116,7 @@ fn a_sweep_is_written_and_goes_on_where_it_stopped() {
         let svg = f.text(&format!("out/figures/scene-{figure}.svg"));
         assert!(svg.starts_with("<svg") && svg.contains("eas") && !svg.contains("NaN"), "{figure}");
     }
-    assert_eq!(std::fs::read_dir(f.path("out/pictures")).unwrap().count(), 2 * 5 + 1);
+    assert_eq!(std::fs::read_dir(f.path("out/pictures")).unwrap().count(), 2 * 6 + 1);
     assert_eq!(std::fs::read_dir(f.path("out/references")).unwrap().count(), 1);
     let page = f.text("out/index.html");
     assert_self_contained(&page);
@@ -127,16 +132,17 @@ fn a_sweep_is_written_and_goes_on_where_it_stopped() {
     let lines: Vec<&str> = table.lines().collect();
     std::fs::write(f.path("out/chart.csv"), lines[..4].join("\n") + "\n").unwrap();
     let said = f.ok(SWEEP);
-    assert!(said.len() == 2 && said[0].contains("eas time=0.1") && said[1].contains("eas tau=0.2"), "{said:?}");
+    assert!(said.len() == 3 && said[0].contains("eas time=0.1") && said[1].contains("eas tau=0.2"), "{said:?}");
     assert_eq!(column(&f.text("out/chart.csv"), "setting"), column(&table, "setting"));
     // A new setting is run beside the old ones; another scene is another table.
-    let said = f.ok(&SWEEP.replace("--taus 0.2", "--taus 0.2,0.1"));
-    assert!(said.len() == 1 && said[0].contains("tau=0.1"), "{said:?}");
+    let said = f.ok(&SWEEP.replace("--taus 0.2", "--taus 0.2,0.3"));
+    assert!(said.len() == 1 && said[0].contains("tau=0.3"), "{said:?}");
     let said = f.ok(&(SWEEP.to_owned() + " -D ks=0.3"));
-    assert_eq!(said.len(), 5, "{said:?}");
-    assert_eq!(column(&f.text("out/chart.csv"), "scene").len(), 6 + 5);
+    assert_eq!(said.len(), 6, "{said:?}");
+    assert_eq!(column(&f.text("out/chart.csv"), "scene").len(), 7 + 6);
     // Without time budgets the same seed gives the same errors.
-    let taus = "scene.xml --methods eas,irradiance --times 0.05 --taus 0.2 --spp 4 --reference-time 0.5";
+    let taus = "scene.xml --methods eas,irradiance --times 0.05 --taus 0.2 --sources 10 --spp 4 \
+                --reference-time 0.5";
     f.ok(&format!("{taus} --threads 1 -o one"));
     f.ok(&format!("{taus} --threads 2 --reference {} -o two", reference(&f, "one")));
     let errors = |folder: &str| {
@@ -151,6 +157,22 @@ fn a_sweep_is_written_and_goes_on_where_it_stopped() {
 fn reference(f: &Folder, folder: &str) -> String {
     let mut entries = std::fs::read_dir(f.path(folder).join("references")).unwrap();
     entries.next().unwrap().unwrap().path().display().to_string()
+}
+
+/// Records of one size, whatever the view needs, for harmonics too.
+#[test]
+fn sizes_are_swept() {
+    let f = Folder::new();
+    f.ok("scene.xml --methods sh,sh-29,eas-paper --times 0.05 --taus 0.3 --orders 3,6 --sources 10 --spp 4 \
+          --reference-time 0.5 -o out");
+    let table = f.text("out/chart.csv");
+    let (settings, sizes) = (column(&table, "setting"), numbers(&table, "size"));
+    let found: Vec<_> = settings.iter().zip(sizes).filter(|r| r.0.contains(',')).collect();
+    let wanted = [("order=3,tau=0.3", 3.0), ("order=6,tau=0.3", 6.0), ("sources=10,tau=0.3", 10.0)];
+    assert_eq!(found.len(), wanted.len(), "{found:?}");
+    for ((setting, size), wanted) in found.iter().zip(wanted) {
+        assert_eq!((setting.as_str(), *size), wanted);
+    }
 }
 
 #[test]

@@ -171,7 +171,8 @@ mod tests {
                 assert!((table.transmittance(cos) - smooth).abs() < 5e-3, "{} {smooth}", table.transmittance(cos));
             }
             let internal = fresnel::diffuse_reflectance(1.0 / 1.5);
-            assert!((table.internal - internal).abs() < 5e-3, "{} {internal}", table.internal);
+            // Mitsuba's sum over the nodes, ends included, gives 0.009 less (`tests/peers/mitsuba_rough_plastic.py`).
+            assert!((table.internal - internal).abs() < 1.5e-3, "{} {internal}", table.internal);
         }
     }
 

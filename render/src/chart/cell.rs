@@ -83,7 +83,7 @@ pub fn run(
 ) -> Result<Row> {
     let budget = match setting {
         Setting::Time(seconds) => Budget::Time(Duration::from_secs_f64(seconds)),
-        Setting::Tau(_) => Budget::Samples(plan.spp),
+        Setting::Tau(_) | Setting::Order(..) | Setting::Sources(..) => Budget::Samples(plan.spp),
         Setting::Spp(n) => Budget::Samples(n),
     };
     let mut row = blank(plan, subject, method, setting);
@@ -97,9 +97,16 @@ pub fn run(
             picture
         }
         Engine::Cached(allowed, estimator, spacing) => {
-            let tolerance = if let Setting::Tau(tau) = setting { Some(tau) } else { None };
-            let settings =
-                Settings { tolerance, estimator, spacing, budget, seed: plan.seed, indirect_only: plan.indirect_only };
+            let sources = if let Setting::Sources(n, _) = setting { Some(usize::from(n)) } else { None };
+            let settings = Settings {
+                tolerance: setting.tau(),
+                estimator,
+                spacing,
+                sources,
+                budget,
+                seed: plan.seed,
+                indirect_only: plan.indirect_only,
+            };
             let policy = policies.of(allowed(setting))?;
             let (picture, figures, _) = render_cached(&subject.world, policy, &settings, None, progress);
             note_caches(&mut row, &figures);

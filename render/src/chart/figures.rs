@@ -18,13 +18,42 @@ pub struct Figure {
     pub caption: &'static str,
 }
 
+/// Runs of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runs {
+    /// Those that kept to a time budget.
+    Budgets,
+    /// Those at a τ.
+    Qualities,
+    /// Those whose records are all of one size, at one τ; those at a τ of methods without.
+    Sizes,
+}
+
+impl Runs {
+    /// Whether a row is of this kind, `sized` telling whether its method has runs of one size.
+    fn have(self, row: &Row, sized: bool) -> bool {
+        match self {
+            Self::Budgets => is_budget(row),
+            Self::Qualities => !is_budget(row) && !is_size(row),
+            Self::Sizes => !is_budget(row) && is_size(row) == sized,
+        }
+    }
+
+    /// The rows of a method that are of this kind.
+    pub fn of<'a>(self, rows: impl Iterator<Item = &'a Row> + Clone, method: &str) -> Vec<&'a Row> {
+        let own = rows.filter(|r| r.method == method);
+        let sized = own.clone().any(is_size);
+        own.filter(|r| self.have(r, sized)).collect()
+    }
+}
+
 /// What is drawn over what, of which rows.
 struct Kind {
     name: &'static str,
     x: (&'static str, fn(&Row) -> f64),
     y: (&'static str, fn(&Row) -> f64),
-    /// Whether runs with a time budget are shown, or those at a chosen quality.
-    budgets: bool,
+    /// Which runs are shown.
+    runs: Runs,
     caption: &'static str,
 }
 
@@ -35,7 +64,7 @@ const KINDS: [Kind; 4] = [
         name: "error-time",
         x: ("seconds to fill the caches and draw the picture", |r| r.seconds),
         y: ERROR,
-        budgets: true,
+        runs: Runs::Budgets,
         caption: "Error against seconds at the time budgets. eas-2015 compares such pictures in Figs. 10 and 11 and in \
                   Table 1; radiance-caching-2005 compares with path tracing at equal time in §5.",
     },
@@ -43,24 +72,26 @@ const KINDS: [Kind; 4] = [
         name: "error-bytes",
         x: ("bytes per glossy record", |r| r.bytes_per_record),
         y: ERROR,
-        budgets: false,
-        caption: "Error against the memory of a record, over the qualities τ. eas-2015, Fig. 8, compares record sizes at \
-                  equal quality: at n = 100 its EAS take 7.5 times less than harmonics.",
+        runs: Runs::Sizes,
+        caption: "Error against the memory of a record, all records of a run being of one size, the rest at one τ. \
+                  eas-2015, Fig. 8, compares record sizes at equal quality: at n = 100 its EAS take 7.5 times less than \
+                  harmonics.",
     },
     Kind {
         name: "error-size",
         x: ("EAS per record, or order of the harmonics", |r| r.size),
         y: ERROR,
-        budgets: false,
-        caption: "Error against the number of EAS (or the order). eas-2015, Figs. 7 and 12 (right): the error falls with \
-                  the number of EAS. Here τ drives rays and spacing of the records too, so the curve falls faster than \
-                  for the number alone; `render probe` draws that one for a single record.",
+        runs: Runs::Sizes,
+        caption: "Error against the number of EAS, or the order of the harmonics, the same for all records of a run, the \
+                  rest at the finest τ: eas-2015, Fig. 12 (right), in whose Fig. 7 too the error falls with the number of \
+                  EAS; `render probe` draws that one for a single record. What is left on the right is the noise of direct \
+                  light and of the records.",
     },
     Kind {
         name: "records-time",
         x: ("seconds to fill the caches and draw the picture", |r| r.seconds),
         y: ("records", |r| r.records as f64),
-        budgets: false,
+        runs: Runs::Qualities,
         caption: "Records that a quality asks for against the time it takes (eas-2015, Table 1, rows `# glossy rec.` and \
                   `Rendering time`).",
     },
@@ -71,9 +102,15 @@ pub fn is_budget(row: &Row) -> bool {
     row.setting.starts_with("time=")
 }
 
+/// Whether the size of the records was chosen.
+pub fn is_size(row: &Row) -> bool {
+    row.setting.starts_with("order=") || row.setting.starts_with("sources=")
+}
+
 /// The number that a setting varies; 0 for none.
 fn knob(row: &Row) -> f64 {
-    row.setting.split_once('=').and_then(|(_, x)| x.parse().ok()).filter(|x: &f64| !x.is_nan()).unwrap_or(0.0)
+    let first = row.setting.split(',').next().and_then(|s| s.split_once('='));
+    first.and_then(|(_, x)| x.parse().ok()).filter(|x: &f64| !x.is_nan()).unwrap_or(0.0)
 }
 
 /// Methods of some rows: known ones in their order, then those of peers by name.
@@ -103,11 +140,11 @@ pub fn figures<'a>(subject: &Subject, rows: impl Iterator<Item = &'a Row> + Clon
     for kind in &KINDS {
         let mut series = Vec::new();
         for name in &names {
-            let own = || rows.clone().filter(|r| r.method == **name);
+            let mut shown = kind.runs.of(rows.clone(), name);
             // A method without runs of the kind wanted shows what it has.
-            let some = own().any(|r| is_budget(r) == kind.budgets);
-            let shown = own().filter(|r| !some || is_budget(r) == kind.budgets);
-            let mut shown: Vec<&Row> = shown.collect();
+            if shown.is_empty() {
+                shown = rows.clone().filter(|r| r.method == **name).collect();
+            }
             shown.sort_by(|a, b| knob(a).total_cmp(&knob(b)));
             let mut points: Vec<_> = shown.into_iter().map(|r| ((kind.x.1)(r), (kind.y.1)(r))).collect();
             points.retain(|(x, y)| *x > 0.0 && *y > 0.0);

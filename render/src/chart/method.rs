@@ -5,7 +5,7 @@ use render::cache::{Spacing, WEBER_FRACTION};
 use render::integrator::cached::TOLERANCE;
 use render::integrator::cached::policy::Allowed;
 use render::record::eas::Estimator;
-use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
+use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, OrderChoice};
 
 /// What renders.
 #[derive(Clone, Copy, Debug)]
@@ -112,8 +112,30 @@ const ADAPTIVE: Spacing = Spacing { hessian: true, adaptive: Some(WEBER_FRACTION
 
 /// Hemispherical harmonics with analytic gradients, their order from τ unless it is given.
 fn harmonics(setting: Setting, order: Option<usize>) -> Allowed {
-    let tolerance = if let Setting::Tau(tau) = setting { tau } else { TOLERANCE };
+    let tolerance = setting.tau().unwrap_or(TOLERANCE);
+    let order = if let Setting::Order(order, _) = setting { Some(order.into()) } else { order };
     Allowed::Harmonics(HarmonicsSettings::new(Basis::default(), Gradients::default(), tolerance, order))
+}
+
+/// What the size of a glossy record is counted in, where a sweep may choose it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// Bands of harmonics.
+    Order,
+    /// EAS.
+    Sources,
+}
+
+impl Method {
+    /// How large its records are is counted in this; `None` for methods without such records, or with fixed ones.
+    pub fn size(&self) -> Option<Size> {
+        let Engine::Cached(allowed, ..) = self.engine else { return None };
+        match allowed(Setting::Tau(TOLERANCE)) {
+            Allowed::Harmonics(HarmonicsSettings { order: OrderChoice::Error(_), .. }) => Some(Size::Order),
+            Allowed::Eas => Some(Size::Sources),
+            _ => None,
+        }
+    }
 }
 
 /// The method of a name.

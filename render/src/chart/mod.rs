@@ -96,7 +96,7 @@ const REFERENCE_WEIGHT: f64 = 60.0;
 fn weight(setting: Setting) -> f64 {
     match setting {
         Setting::Time(seconds) => seconds,
-        Setting::Tau(tau) => 0.5 + 0.04 / f64::from(tau),
+        Setting::Tau(tau) | Setting::Order(_, tau) | Setting::Sources(_, tau) => 0.5 + 0.04 / f64::from(tau),
         Setting::Spp(_) => 1.0,
     }
 }

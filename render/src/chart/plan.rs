@@ -1,8 +1,11 @@
 //! What to sweep.
 
-use super::method::{Engine, Method};
+use super::method::{Engine, Method, Size};
 use super::setting::Setting;
 use std::path::PathBuf;
+
+/// Runs whose records have one size take the τ nearest to this: fine enough that the size shows, and soon done.
+const SIZES_TAU: f32 = 0.04;
 
 /// A reference that is traced: it ends at an error or a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,10 @@ pub struct Plan {
     pub times: Vec<f64>,
     /// Qualities of caches.
     pub taus: Vec<f32>,
+    /// Orders that every harmonic record has in runs of their own, at one τ.
+    pub orders: Vec<u8>,
+    /// The same for the number of EAS.
+    pub sources: Vec<u16>,
     /// Samples per pixel of runs at a τ.
     pub spp: u32,
     /// Whether every method runs at one quality, and faults are judged.
@@ -57,12 +64,21 @@ pub struct Plan {
 impl Plan {
     /// Settings of a method, in the order in which they are run.
     pub fn settings(&self, method: &Method) -> Vec<Setting> {
+        let off = |tau: f32| (tau / SIZES_TAU).ln().abs();
+        let tau = self.taus.iter().copied().min_by(|a, b| off(*a).total_cmp(&off(*b)));
+        let sizes: Vec<Setting> = match method.size() {
+            Some(Size::Order) => tau.iter().flat_map(|t| self.orders.iter().map(|n| Setting::Order(*n, *t))).collect(),
+            Some(Size::Sources) => {
+                tau.iter().flat_map(|t| self.sources.iter().map(|n| Setting::Sources(*n, *t))).collect()
+            }
+            None => Vec::new(),
+        };
         let quality = match method.engine {
             Engine::Traced if self.stability => vec![Setting::Spp(self.spp)],
             Engine::Traced => Vec::new(),
             Engine::Cached(..) => self.taus.iter().map(|t| Setting::Tau(*t)).collect(),
         };
-        self.times.iter().map(|t| Setting::Time(*t)).chain(quality).collect()
+        self.times.iter().map(|t| Setting::Time(*t)).chain(quality).chain(sizes).collect()
     }
 
     /// All cells of a scene.

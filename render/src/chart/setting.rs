@@ -10,8 +10,22 @@ pub enum Setting {
     Time(f64),
     /// τ of a cached rendering.
     Tau(f32),
+    /// Bands of every harmonic record, and τ of all else.
+    Order(u8, f32),
+    /// Sources of every EAS record, and τ of all else.
+    Sources(u16, f32),
     /// Samples per pixel of the path tracer.
     Spp(u32),
+}
+
+impl Setting {
+    /// τ, where it is given.
+    pub fn tau(self) -> Option<f32> {
+        match self {
+            Self::Tau(tau) | Self::Order(_, tau) | Self::Sources(_, tau) => Some(tau),
+            Self::Time(_) | Self::Spp(_) => None,
+        }
+    }
 }
 
 impl fmt::Display for Setting {
@@ -20,6 +34,8 @@ impl fmt::Display for Setting {
         match self {
             Self::Time(seconds) => write!(f, "time={seconds}"),
             Self::Tau(tau) => write!(f, "tau={tau}"),
+            Self::Order(order, tau) => write!(f, "order={order},tau={tau}"),
+            Self::Sources(sources, tau) => write!(f, "sources={sources},tau={tau}"),
             Self::Spp(n) => write!(f, "spp={n}"),
         }
     }

@@ -6,6 +6,7 @@ use crate::chart::plan::{Plan, Reference};
 use crate::chart::setting::{parse_tau, parse_time};
 use anyhow::{Context, Result, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use render::record::harmonics::MAX_ORDER;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -58,6 +59,12 @@ pub struct Args {
     /// Qualities of the cached methods, the paper's tau [default: 0.16,0.08,0.04,0.02,0.01; 0.04 for a suite].
     #[arg(long, value_name = "TAU,…", value_delimiter = ',', value_parser = parse_tau)]
     taus: Option<Vec<f32>>,
+    /// Orders of harmonics, each for all records of a run at the tau nearest to 0.04 [default: 5,10,15,20,29; none for a suite].
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=MAX_ORDER as i64))]
+    orders: Option<Vec<u8>>,
+    /// Numbers of EAS, each for all records of a run at the tau nearest to 0.04 [default: 10,16,31,64,127; none for a suite].
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(7..=4096))]
+    sources: Option<Vec<u16>>,
     /// Samples per pixel of the runs that have no time budget.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     spp: u32,
@@ -136,6 +143,8 @@ fn plan(args: Args) -> Result<Plan> {
     let taus = args.taus.unwrap_or_else(|| if stability { vec![0.04] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
     ensure!(!(stability && taus.len() > 1), "--taus: the suite compares the methods at one quality");
     Ok(Plan {
+        orders: args.orders.unwrap_or_else(|| if stability { Vec::new() } else { vec![5, 10, 15, 20, 29] }),
+        sources: args.sources.unwrap_or_else(|| if stability { Vec::new() } else { vec![10, 16, 31, 64, 127] }),
         scenes,
         references: args.reference,
         reference: Reference { error, seconds: args.reference_time },

@@ -42,6 +42,9 @@ pub struct Args {
     /// How EAS are moved and summed: the published way, or ours.
     #[arg(long, value_enum, default_value_t = Estimator::Improved)]
     eas: Estimator,
+    /// Sources of every EAS record, instead of as few as tau allows; a tree has 7, 10, 13… of them.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(7..=4096))]
+    sources: Option<u16>,
     /// Harmonics of every view, instead of the least that lose no more of its lobe than tau allows; no view is path traced then.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MAX_ORDER as i64))]
     order: Option<u8>,
@@ -153,6 +156,7 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
             hessian: args.radius.unwrap_or(Reach::of(args.eas)) == Reach::Hessian,
             adaptive: args.adaptive,
         },
+        sources: args.sources.map(usize::from),
         budget,
         seed: args.seed,
         indirect_only: args.indirect_only,

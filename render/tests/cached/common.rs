@@ -75,6 +75,7 @@ pub fn cached(world: &World, allowed: Allowed, tolerance: f32, spp: u32) -> (Pic
         tolerance: Some(tolerance),
         estimator: Estimator::Improved,
         spacing: Spacing::default(),
+        sources: None,
         budget: Budget::Samples(spp),
         seed: 1,
         indirect_only: false,

@@ -21,6 +21,7 @@ fn settings() -> Settings {
         tolerance: Some(TAU),
         estimator: Estimator::Improved,
         spacing: Spacing::default(),
+        sources: None,
         budget: Budget::Samples(2),
         seed: 3,
         indirect_only: false,

@@ -264,6 +264,7 @@ fn harmonic_records_survive_a_file() {
         tolerance: Some(0.1),
         estimator: Estimator::Improved,
         spacing: Spacing::default(),
+        sources: None,
         budget: Budget::Samples(2),
         seed: 3,
         indirect_only: false,

@@ -60,6 +60,7 @@ fn the_papers_estimator_draws_the_box() {
         tolerance: Some(0.1),
         estimator: Estimator::Paper,
         spacing: Spacing::DISTANCE,
+        sources: None,
         budget: Budget::Samples(16),
         seed: 1,
         indirect_only: false,

@@ -2,7 +2,7 @@
 
 use super::html::escape;
 use super::reach::{Reach, reach};
-use crate::chart::figures::{is_budget, methods};
+use crate::chart::figures::{Runs, is_budget, methods};
 use crate::chart::plot::plain;
 use crate::chart::row::Row;
 
@@ -54,18 +54,18 @@ fn times(ratio: f64) -> String {
     format!("{} times as much", if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") })
 }
 
-fn curve(rows: &[&Row], method: &str, budgets: bool, cost: fn(&Row) -> f64) -> Vec<(f64, f64)> {
-    let own = rows.iter().filter(|r| r.method == method && is_budget(r) == budgets);
-    own.map(|r| (cost(r), r.rel_mse)).filter(|p| p.0 > 0.0).collect()
+/// Seconds and errors of a method's runs with a time budget.
+fn over_time(rows: &[&Row], method: &str) -> Vec<(f64, f64)> {
+    Runs::Budgets.of(rows.iter().copied(), method).iter().map(|r| (r.seconds, r.rel_mse)).collect()
 }
 
 /// How long the others take to path tracing's error after its longest run.
 fn time_of_equal_error(rows: &[&Row]) -> Option<String> {
-    let path = curve(rows, "path", true, |r| r.seconds);
+    let path = over_time(rows, "path");
     let (slowest, level) = path.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut parts = Vec::new();
     for method in methods(rows.iter().copied()).into_iter().filter(|m| *m != "path") {
-        let mut curve = curve(rows, method, true, |r| r.seconds);
+        let mut curve = over_time(rows, method);
         if curve.is_empty() {
             // A peer's runs have settings of their own.
             curve = rows.iter().filter(|r| r.method == method).map(|r| (r.seconds, r.rel_mse)).collect();
@@ -91,7 +91,10 @@ fn time_of_equal_error(rows: &[&Row]) -> Option<String> {
 fn memory(rows: &[&Row]) -> Option<String> {
     let curves: Vec<_> = methods(rows.iter().copied())
         .into_iter()
-        .map(|m| (m, curve(rows, m, false, |r| r.bytes_per_record)))
+        .map(|m| {
+            let own = Runs::Sizes.of(rows.iter().copied(), m);
+            (m, own.iter().map(|r| (r.bytes_per_record, r.rel_mse)).filter(|p| p.0 > 0.0).collect::<Vec<_>>())
+        })
         .filter(|(_, c)| !c.is_empty())
         .collect();
     let least = |c: &[(f64, f64)]| c.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);

@@ -21,7 +21,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BURNREC\n";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const MAX_HEADER: usize = 1 << 16;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
@@ -50,6 +50,7 @@ struct Header {
     estimator: Estimator,
     tolerance: f32,
     spacing: Spacing,
+    sources: Option<u64>,
     indirect_only: bool,
     coarse: u64,
     irradiance: u64,
@@ -79,6 +80,7 @@ fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -
         estimator: settings.estimator,
         tolerance,
         spacing: settings.spacing,
+        sources: settings.sources.map(|n| n as u64),
         indirect_only: settings.indirect_only,
         coarse: 0,
         irradiance: 0,

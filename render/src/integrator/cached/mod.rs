@@ -17,9 +17,9 @@ mod spacing;
 use crate::cache::Spacing;
 use crate::camera::RayGenerator;
 use crate::film::{Budget, Picture, Pixel, widest};
-use crate::record::Scratch;
 use crate::record::eas::Estimator;
 use crate::record::harmonics::HarmonicsRecord;
+use crate::record::{CutSettings, Scratch};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::world::World;
@@ -48,12 +48,25 @@ pub struct Settings {
     pub estimator: Estimator,
     /// How far records reach.
     pub spacing: Spacing,
+    /// Sources of every EAS record, 7 + 3k as a tree has them; `None`: as few as τ allows.
+    pub sources: Option<usize>,
     /// Samples per pixel, or seconds.
     pub budget: Budget,
     /// Seed of all sample points.
     pub seed: u64,
     /// Whether light that is scattered less than twice is left out.
     pub indirect_only: bool,
+}
+
+impl Settings {
+    /// What follows from them at a τ.
+    fn quality(&self, tolerance: f32) -> Quality {
+        let mut quality = Quality::new(tolerance, self.estimator, self.spacing);
+        if let Some(max_eas) = self.sources {
+            quality.cut = CutSettings { tolerance: 0.0, max_eas };
+        }
+        quality
+    }
 }
 
 /// What a cached rendering did.
@@ -119,7 +132,7 @@ pub fn render_cached(
     let split = LightSplit::new(world, settings.indirect_only);
     let (kept, complete) = kept.map_or((None, false), |k| (Some(k.caches), k.complete));
     let build = |tolerance: f32, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)| {
-        let quality = Quality::new(tolerance, settings.estimator, settings.spacing);
+        let quality = settings.quality(tolerance);
         (
             quality,
             Builder::new(world, policy, split.held.as_ref(), quality, settings.seed).build(
@@ -139,7 +152,7 @@ pub fn render_cached(
     let (tolerance, (quality, caches)) = match (settings.tolerance, deadline, whole) {
         (tolerance, _, Some(caches)) => {
             let tolerance = tolerance.unwrap_or(TOLERANCE);
-            (tolerance, (Quality::new(tolerance, settings.estimator, settings.spacing), caches))
+            (tolerance, (settings.quality(tolerance), caches))
         }
         (Some(tolerance), ..) => (tolerance, build(tolerance, deadline, &report)),
         (None, None, None) => (TOLERANCE, build(TOLERANCE, None, &report)),
