@@ -173,6 +173,11 @@ fn sizes_are_swept() {
     for ((setting, size), wanted) in found.iter().zip(wanted) {
         assert_eq!((setting.as_str(), *size), wanted);
     }
+    // The orders that directions take when none is given, as published.
+    let page = f.text("out/index.html");
+    assert!(page.contains("id=\"orders\"") && page.contains("<figcaption>phong:exponent=15"));
+    assert_self_contained(&page);
+    assert!(f.text("out/figures/order-ward-0.6-0.25.svg").starts_with("<svg"));
 }
 
 #[test]
@@ -197,7 +202,7 @@ fn rows_of_peers_are_shown() {
     std::fs::write(f.path("out/chart.csv"), format!("{table}{row}\n")).unwrap();
     f.ok(SWEEP);
     let page = f.text("out/index.html");
-    for words in ["id=\"table1\"", "EAS, equal error", "EAS, equal memory", "Matpreview", "their RMSE is"] {
+    for words in ["id=\"table1\"", "EAS, equal error", "RC, equal memory", "Matpreview", "their RMSE is"] {
         assert!(page.contains(words), "{words}");
     }
 }

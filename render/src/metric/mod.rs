@@ -93,8 +93,8 @@ fn pixel_error(x: &[f32; 3], y: &[f32; 3]) -> f32 {
     (sum / 3.0).sqrt()
 }
 
-/// Colour map on the sRGB scale; the square root spreads the small errors.
-fn color(error: f32) -> [f32; 3] {
+/// Colour map of 0 … 1 on the sRGB scale; the square root spreads the small errors.
+pub fn color(error: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 5] =
         [[0.05, 0.03, 0.3], [0.1, 0.4, 0.7], [0.15, 0.7, 0.35], [0.95, 0.85, 0.2], [0.8, 0.1, 0.1]];
     let x = error.clamp(0.0, 1.0).sqrt() * (STOPS.len() - 1) as f32;

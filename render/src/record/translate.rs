@@ -35,6 +35,7 @@ pub struct Reflected {
 pub struct Scratch {
     caps: CapBatch,
     light: Vec<Rgb>,
+    area: Vec<f32>,
     mean: Vec<f32>,
     /// Functions to read harmonics with.
     pub harmonics: super::harmonics::Reader,
@@ -43,11 +44,30 @@ pub struct Scratch {
 /// Most a source may grow or shrink on the way to a point of the zone of influence: what is more is not a translation.
 const MAX_RATIO: f32 = 4.0;
 
+/// Sources may cover the lobe, or the hemisphere, so many times, or that part of it, before they are scaled.
+const ROOM: f32 = 1.15;
+
+/// Most that sources are scaled up where they leave gaps.
+const MAX_FILL: f32 = 10.0;
+
+/// Factor that takes a cover to within [`ROOM`] of 1.
+#[inline]
+fn toward_one(cover: f32) -> f32 {
+    match cover {
+        x if x > ROOM => ROOM / x,
+        x if x > 0.0 && x * ROOM < 1.0 => (1.0 / (ROOM * x)).min(MAX_FILL),
+        // Within the room, or nothing that could be scaled.
+        _ => 1.0,
+    }
+}
+
 /// A source as the point sees it.
 struct Seen {
     direction: Vec3A,
     solid_angle: f32,
     irradiance: Rgb,
+    /// Projected solid angle above the horizon; 0 where the estimator does not know it.
+    area: f32,
 }
 
 /// Sums E′·F(θ′, Ω′; ωo) over the sources of `record` (eq. 15 at the point). Sources outside the support of the lobe add to
@@ -60,9 +80,11 @@ pub fn reflect(
     estimator: Estimator,
     scratch: &mut Scratch,
 ) -> Reflected {
-    let Scratch { caps, light, mean, .. } = scratch;
+    let Scratch { caps, light, area, mean, .. } = scratch;
     caps.clear();
     light.clear();
+    area.clear();
+    let mut whole = 0.0;
     let mut out = Reflected::default();
     let offset = at.position - record.position();
     let mirror = Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z);
@@ -73,15 +95,24 @@ pub fn reflect(
         };
         let Some(seen) = seen else { continue };
         out.irradiance += seen.irradiance;
+        whole += seen.area;
         // Beyond the support angle plus the cap's own, the lobe sees nothing of it.
         if seen.direction.dot(mirror) > albedo.support_cosine(seen.solid_angle) {
             caps.push(seen.direction.into(), seen.solid_angle);
             light.push(seen.irradiance * reflector.tint(seen.direction, at.wo));
+            area.push(seen.area);
         }
     }
     mean.resize(caps.len(), 0.0);
     reflector.table.specular_values(caps, at.wo.into(), mean);
     out.specular = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
+    if estimator == Estimator::Improved {
+        // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
+        // meet in one direction: what they would reflect of light that is 1 everywhere must stay near the albedo.
+        let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
+        out.specular *= toward_one(unit / albedo.at(at.wo));
+        out.irradiance *= (ROOM * PI / whole).min(1.0);
+    }
     if record.background != Rgb::ZERO {
         out.irradiance += record.background * PI;
         out.specular += record.background * reflector.tint(mirror, at.wo) * albedo.at(at.wo);
@@ -118,7 +149,7 @@ fn translate(source: &Eas, offset: Vec3A, frame: &Frame) -> Option<Seen> {
         direction.z = 0.0;
         direction = direction.try_normalize()?;
     }
-    Some(Seen { direction, solid_angle, irradiance: Rgb::from_array(source.light) * area })
+    Some(Seen { direction, solid_angle, irradiance: Rgb::from_array(source.light) * area, area })
 }
 
 /// Eq. 16 as published. Where it has no meaning (a patch turned away, a centroid below the horizon) the source is dropped.
@@ -133,5 +164,5 @@ fn translate_paper(source: &Eas, offset: Vec3A, frame: &Frame) -> Option<Seen> {
     let irradiance = Rgb::from_array(source.light) * (direction.z * cos_alpha * source.factor / length2);
     // The stored factor holds both cosines of the record; the solid angle needs that of the patch alone.
     let solid_angle = source.solid_angle * (cos_alpha * source.factor * cos_theta.max(0.01) / length2);
-    Some(Seen { direction, solid_angle: solid_angle.min(TAU), irradiance })
+    Some(Seen { direction, solid_angle: solid_angle.min(TAU), irradiance, area: 0.0 })
 }

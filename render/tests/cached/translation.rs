@@ -39,6 +39,29 @@ fn read(record: &EasRecord, position: Vec3A, normal: Vec3A, estimator: Estimator
     reflect(record, &at, &reflector, &albedo, estimator, &mut Scratch::default())
 }
 
+/// Near the foot of a bright wall, at y = 1, in dim surroundings; zones in pixels may reach far beyond what translations hold.
+#[test]
+fn a_wall_does_not_explode_on_the_way_into_its_corner() {
+    let table = phong(40.0);
+    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let frame = Frame::from_normal(Vec3A::Z);
+    let light = |y: f32| {
+        move |d: Vec3A| match d.y > 1e-3 {
+            true => Incident { radiance: Vec3A::ONE, distance: (1.0 - y) / d.y, normal: -Vec3A::Y },
+            false => Incident { radiance: Vec3A::splat(0.1), distance: 10.0, normal: -d },
+        }
+    };
+    let (x, y) = (Vec3A::new(0.0, 0.9, 0.0), Vec3A::new(0.0, 0.995, 0.0));
+    let mut here = gathered(&frame, 0.158, 0.4, 4, light(x.y));
+    let mut there = gathered(&frame, 0.158, 0.4, 4, light(y.y));
+    let ours = Estimator::Improved;
+    let found = read(&record(&mut here, x, ours, &reflector), y, Vec3A::Z, ours);
+    let truth = read(&record(&mut there, y, ours, &reflector), y, Vec3A::Z, ours);
+    let (specular, irradiance) = (found.specular.x / truth.specular.x, found.irradiance.x / truth.irradiance.x);
+    println!("specular {specular:.3}, irradiance {irradiance:.3}");
+    assert!((0.6..1.4).contains(&specular) && (0.6..1.4).contains(&irradiance), "{specular} {irradiance}");
+}
+
 /// A record read a quarter of the distance away agrees with a record made there.
 #[test]
 fn translation_follows_the_light() {

@@ -1,6 +1,7 @@
 //! The page a person reads: one HTML file that needs no other.
 
 mod html;
+mod orders;
 mod reach;
 mod sentences;
 mod stability;
@@ -36,6 +37,9 @@ pub fn write(results: &Results) -> Result<()> {
         body += &scene(results, subject, &folder)?;
     }
     if let Some(section) = table1::section(results) {
+        body += &section;
+    }
+    if let Some(section) = orders::section(results, &folder)? {
         body += &section;
     }
     body += &runs(results);

@@ -123,6 +123,14 @@ impl HarmonicBrdf {
         out
     }
 
+    /// Of the texel nearest to a local direction: its order, and the share of ∫(f_r cosθ)² dω that it loses; `None` where
+    /// radiance caching is not used.
+    pub fn representation(&self, wo: Vec3A) -> Option<(usize, f32)> {
+        let around = self.around(wo);
+        let nearest = around.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        nearest.cached.then_some((nearest.order, nearest.error))
+    }
+
     /// Coefficients for a local direction, packed, of the cached texels around it alone; returns what [`Self::outgoing`] does and
     /// the cosine and sine of the angle about the normal by which they must still be turned.
     #[inline(always)]
