@@ -11,8 +11,9 @@ pub const SCALE: f64 = 8.0;
 pub const INK: RGBColor = RGBColor(40, 44, 52);
 /// Colour of what should stay in the background.
 pub const PALE: RGBColor = RGBColor(214, 218, 224);
-/// Colours that stay apart for most eyes (Okabe & Ito 2008, and two greys), in the order they are handed out.
-pub const PALETTE: [RGBColor; 10] = [
+/// Colours that stay apart for most eyes (Okabe & Ito 2008, and two greys, then darker and paler ones), in the order they
+/// are handed out.
+pub const PALETTE: [RGBColor; 14] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -23,6 +24,10 @@ pub const PALETTE: [RGBColor; 10] = [
     RGBColor(150, 60, 160),
     RGBColor(90, 90, 90),
     RGBColor(160, 160, 160),
+    RGBColor(0, 48, 96),
+    RGBColor(160, 16, 40),
+    RGBColor(128, 160, 0),
+    RGBColor(244, 150, 180),
 ];
 
 /// Part of a figure in canvas units.
