@@ -40,6 +40,9 @@ impl Cubature {
     }
 
     /// One rule of [`RULES`] everywhere.
+    ///
+    /// # Panics
+    /// If the rule is not in that list.
     pub fn uniform(specular: Specular, rule: Rule) -> Self {
         let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
         let (disc, product) = match rule {

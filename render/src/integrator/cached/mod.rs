@@ -199,6 +199,26 @@ pub fn render_cached(
     (picture, figures, caches)
 }
 
+/// Calls `f` with the film coordinates of every pixel of a row that begins at `start`, the pixel, and its surfaces, compiled
+/// for the widest vectors of the machine.
+#[inline(always)]
+fn each_pixel<T>(
+    start: (u32, u32),
+    row: &mut [Pixel],
+    surfaces: impl IntoIterator<Item = T>,
+    mut f: impl FnMut((u32, u32), &mut Pixel, T),
+) {
+    widest(
+        Level::new(),
+        #[inline(always)]
+        || {
+            for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
+                f((start.0 + x as u32, start.1), pixel, surfaces);
+            }
+        },
+    );
+}
+
 /// The final pass: reads the caches only. Returns the number of pixels of negative indirect light too.
 fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, u64) {
     let world = shader.world;
@@ -209,25 +229,23 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
     let mut surfaces: Vec<Vec<Surface>> = vec![Vec::new(); count];
     let (mut spp, mut rays) = (0, shader.caches.rays);
     let width = window.width as usize;
-    let level = Level::new();
     // Indirect light of a row: rays, and pixels where it is negative.
     let indirect_row = |y: usize, row: &mut [Pixel], surfaces: &[Vec<Surface>], scratch: &mut Scratch| {
         let (mut rays, mut negative) = (0, 0);
-        widest(
-            level,
+        each_pixel(
+            (window.x, window.y + y as u32),
+            row,
+            surfaces,
             #[inline(always)]
-            || {
-                for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                    let at = (window.x + x as u32, window.y + y as u32);
-                    let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
-                    let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
-                    if indirect.sum().is_finite() {
-                        pixel.sum.indirect = pixel.sum.indirect + indirect;
-                        // Records may ring; a pixel never shines less than not at all.
-                        if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
-                            negative += 1;
-                            pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
-                        }
+            |at, pixel, surfaces| {
+                let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
+                let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
+                if indirect.sum().is_finite() {
+                    pixel.sum.indirect = pixel.sum.indirect + indirect;
+                    // Records may ring; a pixel never shines less than not at all.
+                    if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
+                        negative += 1;
+                        pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
                     }
                 }
             },
@@ -255,23 +273,22 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             .enumerate()
             .map(|(y, (row, surfaces))| {
                 let mut rays = 0;
-                widest(
-                    level,
+                each_pixel(
+                    (window.x, window.y + y as u32),
+                    row,
+                    surfaces,
                     #[inline(always)]
-                    || {
-                        for (x, (pixel, surfaces)) in row.iter_mut().zip(surfaces).enumerate() {
-                            let at = (window.x + x as u32, window.y + y as u32);
-                            for index in spp..spp + pass {
-                                let mut sampler = Sampler::new(settings.seed, at, index);
-                                let ray = camera.ray(at.0, at.1, sampler.next_2d());
-                                let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
-                                rays += u64::from(core::mem::take(&mut sample.rays));
-                                if sample.distance > 0.0 {
-                                    sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
-                                    pixel.surfaces += 1;
-                                }
-                                pixel.sum += sample;
+                    |at, pixel, surfaces| {
+                        for index in spp..spp + pass {
+                            let mut sampler = Sampler::new(settings.seed, at, index);
+                            let ray = camera.ray(at.0, at.1, sampler.next_2d());
+                            let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
+                            rays += u64::from(core::mem::take(&mut sample.rays));
+                            if sample.distance > 0.0 {
+                                sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
+                                pixel.surfaces += 1;
                             }
+                            pixel.sum += sample;
                         }
                     },
                 );
