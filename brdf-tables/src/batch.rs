@@ -72,35 +72,80 @@ impl CapBatch {
         Cap::around(axis.as_dvec3(), f64::from(solid_angle))
     }
 
-    /// The lanes `[start, start + LANES)`.
-    pub(crate) fn lanes(&self, start: usize) -> [&[f32; LANES]; 4] {
+    /// Axis components and height, padded.
+    pub(crate) fn columns(&self) -> [&[f32]; 4] {
         let [x, y, z] = &self.axis;
-        [x, y, z, &self.height]
-            .map(|column| column[start..start + LANES].first_chunk().expect("columns are padded to whole vectors"))
+        [x, y, z, &self.height].map(|column| &column[..self.height.len()])
     }
 
-    /// Up to [`LANES`] listed caps as lanes; those to spare repeat the last.
-    #[inline(always)]
-    pub(crate) fn gather(&self, picked: &[u32]) -> [[f32; LANES]; 4] {
-        let mut lanes = [[0f32; LANES]; 4];
-        for k in 0..LANES {
-            let i = picked[k.min(picked.len() - 1)] as usize;
-            lanes[0][k] = self.axis[0][i];
-            lanes[1][k] = self.axis[1][i];
-            lanes[2][k] = self.axis[2][i];
-            lanes[3][k] = self.height[i];
-        }
-        lanes
+    /// The lanes `[start, start + LANES)`.
+    pub(crate) fn lanes(&self, start: usize) -> [&[f32; LANES]; 4] {
+        self.columns().map(|column| column[start..].first_chunk().expect("columns are padded to whole vectors"))
     }
 }
 
 /// Below this height (Ω ≈ 6e-13 sr) the mean over the cap is the BRDF itself to f32 precision.
 pub(crate) const MIN_HEIGHT: f32 = 1e-13;
 
-/// A list in blocks for [`CapBatch::gather`], each with whether half a vector holds it.
-#[inline(always)]
-pub(crate) fn blocks(picked: &[u32]) -> impl Iterator<Item = (&[u32], bool)> {
-    picked.chunks(LANES).map(|block| (block, block.len() <= LANES / 2))
+/// Caps a look-up treats at a time; fixed, so that it needs no allocation.
+pub(crate) const CHUNK: usize = 128;
+
+/// Some caps of a chunk side by side, so that vectors can be loaded from any place in the list.
+pub(crate) struct Picked {
+    columns: [[f32; CHUNK + LANES]; 4],
+    /// Index of each in the batch.
+    pub(crate) index: [u32; CHUNK],
+}
+
+impl Picked {
+    /// An empty list.
+    pub(crate) fn new() -> Self {
+        Self { columns: [[0.0; CHUNK + LANES]; 4], index: [0; CHUNK] }
+    }
+
+    /// The caps of a batch with these indices.
+    #[inline(always)]
+    pub(crate) fn from_batch(caps: &CapBatch, index: &[u32]) -> Self {
+        let (mut picked, columns) = (Self::new(), caps.columns());
+        for (place, &i) in index.iter().enumerate() {
+            picked.put(place, columns, i);
+        }
+        picked
+    }
+
+    /// Puts cap `i` of the batch at `place`.
+    #[inline(always)]
+    pub(crate) fn put(&mut self, place: usize, columns: [&[f32]; 4], i: u32) {
+        for (column, from) in self.columns.iter_mut().zip(columns) {
+            column[place] = from[i as usize];
+        }
+        self.index[place] = i;
+    }
+
+    /// The caps from `place` on, one per lane; what lies beyond the end of the list is to be ignored.
+    #[inline(always)]
+    pub(crate) fn lanes(&self, place: usize) -> [&[f32; LANES]; 4] {
+        self.columns.each_ref().map(|column| column[place..].first_chunk().expect("room for a vector beyond the last"))
+    }
+
+    /// Cap `place`: axis and height.
+    #[inline(always)]
+    pub(crate) fn get(&self, place: usize) -> [f32; 4] {
+        self.columns.each_ref().map(|column| column[place])
+    }
+
+    /// `count` caps from `place` on, each in `LANES / count` lanes.
+    #[inline(always)]
+    pub(crate) fn spread(&self, place: usize, count: usize) -> [[f32; LANES]; 4] {
+        self.columns.each_ref().map(|column| {
+            let first: &[f32; LANES] = column[place..].first_chunk().expect("room for a vector beyond the last");
+            match count {
+                1 => [first[0]; LANES],
+                2 => core::array::from_fn(|lane| first[lane / (LANES / 2)]),
+                _ => core::array::from_fn(|lane| first[lane / (LANES / 4)]),
+            }
+        })
+    }
 }
 
 impl<'a> FromIterator<&'a Cap> for CapBatch {

@@ -1,14 +1,12 @@
 //! One number type for scalar and vector code.
 //!
-//! A BRDF or a quadrature rule written over [`Real`] compiles to an f64 reference, to f32, and to eight or sixteen f32 lanes:
-//! the readable twin and the fast path are the same source, and differ only in precision.
+//! A BRDF or a quadrature rule written over [`Real`] compiles to an f64 reference, to f32, and to sixteen f32 lanes: the
+//! readable twin and the fast path are the same source, and differ only in precision.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
-use fearless_simd::{
-    Bytes, Select, Simd, SimdBase, SimdFloat, f32x8, f32x16, i32x8, i32x16, prelude::*, u32x8, u32x16,
-};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, prelude::*, u32x16};
 
-/// Lanes of the widest vector instance of [`Real`].
+/// Lanes of the vector instance of [`Real`].
 pub const LANES: usize = 16;
 
 /// A real number, or several of them in lanes.
@@ -19,8 +17,12 @@ pub trait Real:
     type Mask: Copy;
     /// What one lane holds.
     type Scalar: Copy;
+    /// All lanes in memory.
+    type Lanes;
     /// The same number in every lane.
     fn fill(self, x: Self::Scalar) -> Self;
+    /// From memory.
+    fn load(self, lanes: &Self::Lanes) -> Self;
     /// The constant `x`, in the type of `self`.
     fn lit(self, x: f64) -> Self;
     /// `self · a + b`.
@@ -87,9 +89,14 @@ macro_rules! scalar {
         impl Real for $t {
             type Mask = bool;
             type Scalar = $t;
+            type Lanes = $t;
             #[inline(always)]
             fn fill(self, x: $t) -> $t {
                 x
+            }
+            #[inline(always)]
+            fn load(self, lanes: &$t) -> $t {
+                *lanes
             }
             #[inline(always)]
             fn lit(self, x: f64) -> Self {
@@ -159,166 +166,149 @@ macro_rules! scalar {
 scalar!(f64);
 scalar!(f32);
 
-/// A [`Real`] of up to [`LANES`] numbers: whole vectors where there are many, half ones for the rest.
-pub(crate) trait Vector<S: Simd>: Real<Scalar = f32> {
-    /// The first of `lanes`.
-    fn load(simd: S, lanes: &[f32; LANES]) -> Self;
-    /// Into the first of `lanes`.
-    fn store(self, lanes: &mut [f32; LANES]);
-}
-
-macro_rules! vector {
-    ($f32:ident, $u32:ident, $i32:ident, $n:literal) => {
-        impl<S: Simd> Real for $f32<S> {
-            type Mask = <Self as SimdBase<S>>::Mask;
-            type Scalar = f32;
-            #[inline(always)]
-            fn fill(self, x: f32) -> Self {
-                Self::splat(self.simd, x)
-            }
-            #[inline(always)]
-            fn lit(self, x: f64) -> Self {
-                Self::splat(self.simd, x as f32)
-            }
-            #[inline(always)]
-            fn mul_add(self, a: Self, b: Self) -> Self {
-                SimdFloat::mul_add(self, a, b)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                SimdFloat::sqrt(self)
-            }
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                SimdBase::min(self, other)
-            }
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                SimdBase::max(self, other)
-            }
-            #[inline(always)]
-            fn lt(self, other: Self) -> Self::Mask {
-                self.simd_lt(other)
-            }
-            #[inline(always)]
-            fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-                Select::select(mask, yes, no)
-            }
-            #[inline(always)]
-            fn any(mask: Self::Mask) -> bool {
-                mask.any_true()
-            }
-            #[inline(always)]
-            fn floor(self) -> Self {
-                SimdFloat::floor(self)
-            }
-            #[inline(always)]
-            fn fetch_pair(index: Self, table: &[u32]) -> (Self, Self) {
-                let simd = index.simd;
-                let at: $u32<S> = index.to_int();
-                let at = at.min((table.len() - 1) as u32).to_array();
-                // A plain loop of loads: the compiler keeps it branch-free, and no processor gathers much faster.
-                let pairs = $u32::load_array(simd, at.map(|i| table[i as usize]));
-                ((pairs & 0xffff).to_float(), (pairs >> 16).to_float())
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                let y = self.approximate_recip();
-                y * Real::mul_add(-self, y, self.lit(2.0))
-            }
-            /// Magic-number split into integer and fraction, then the degree-6 minimax polynomial of 2^f on [−½, ½]
-            /// (relative error 2e-8).
-            #[inline(always)]
-            fn exp2(self) -> Self {
-                let x = Real::max(Real::min(self, self.lit(126.0)), self.lit(-126.0));
-                let magic = self.lit(12_582_912.0); // 1.5 · 2^23: adding it rounds to an integer held in the low mantissa bits
-                let shifted = x + magic;
-                let f = x - (shifted - magic);
-                let p = self.lit(1.535_336e-4);
-                let p = Real::mul_add(p, f, self.lit(1.339_887e-3));
-                let p = Real::mul_add(p, f, self.lit(9.618_437e-3));
-                let p = Real::mul_add(p, f, self.lit(5.550_332_6e-2));
-                let p = Real::mul_add(p, f, self.lit(2.402_264_8e-1));
-                let p = Real::mul_add(p, f, self.lit(6.931_472e-1));
-                let p = Real::mul_add(p, f, self.lit(1.0));
-                let bits: $i32<S> = shifted.bitcast();
-                let scaled: $i32<S> = p.bitcast::<$i32<S>>() + (bits << 23);
-                Real::select(self.lt(self.lit(-126.0)), self.lit(0.0), scaled.bitcast())
-            }
-            /// Mantissa to [√½, √2), then the Cephes degree-8 polynomial of ln(1 + f) (relative error 1e-7 away from 1).
-            #[inline(always)]
-            fn log2(self) -> Self {
-                let bits: $i32<S> = self.bitcast();
-                // Subtracting the bits of √½ leaves the exponent of the reduced mantissa in the upper nine bits.
-                let exponent = (bits - 0x3f35_04f3) >> 23;
-                let mantissa: Self = (bits - (exponent << 23)).bitcast();
-                let f = mantissa - self.lit(1.0);
-                let p = self.lit(7.037_683_6e-2);
-                let p = Real::mul_add(p, f, self.lit(-1.151_461e-1));
-                let p = Real::mul_add(p, f, self.lit(1.167_699_9e-1));
-                let p = Real::mul_add(p, f, self.lit(-1.242_014_1e-1));
-                let p = Real::mul_add(p, f, self.lit(1.424_932_3e-1));
-                let p = Real::mul_add(p, f, self.lit(-1.666_805_8e-1));
-                let p = Real::mul_add(p, f, self.lit(2.000_071_5e-1));
-                let p = Real::mul_add(p, f, self.lit(-2.499_999_4e-1));
-                let p = Real::mul_add(p, f, self.lit(3.333_333_1e-1));
-                let z = f * f;
-                let ln = Real::mul_add(p * z, f, f - z * self.lit(0.5));
-                Real::mul_add(ln, self.lit(core::f64::consts::LOG2_E), exponent.to_float())
-            }
-            /// Cephes asinf: a polynomial to ½, and asin x = π/2 − 2 asin √((1 − x)/2) above.
-            #[inline(always)]
-            fn asin(self) -> Self {
-                let a = Real::abs(self);
-                let large = self.lit(0.5).lt(a);
-                let z = Real::select(large, self.lit(0.5) * Real::abs(self.lit(1.0) - a), a * a);
-                let x = Real::select(large, Real::sqrt(z), a);
-                let p = self.lit(4.216_32e-2);
-                let p = Real::mul_add(p, z, self.lit(2.418_131_1e-2));
-                let p = Real::mul_add(p, z, self.lit(4.547_002_6e-2));
-                let p = Real::mul_add(p, z, self.lit(7.495_300_3e-2));
-                let p = Real::mul_add(p, z, self.lit(1.666_675_2e-1));
-                let r = Real::mul_add(p * z, x, x);
-                let r = Real::select(large, self.lit(core::f64::consts::FRAC_PI_2) - (r + r), r);
-                Real::select(self.lt(self.lit(0.0)), -r, r)
-            }
-            /// Taylor series of the half angle (|x| ≤ π/2, error below 6e-8), then the double-angle formulas.
-            #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                let h = self * self.lit(0.5);
-                let z = h * h;
-                let s = self.lit(-2.505_210_8e-8);
-                let s = Real::mul_add(s, z, self.lit(2.755_731_9e-6));
-                let s = Real::mul_add(s, z, self.lit(-1.984_127e-4));
-                let s = Real::mul_add(s, z, self.lit(8.333_333_3e-3));
-                let s = Real::mul_add(s, z, self.lit(-1.666_666_7e-1));
-                let s = Real::mul_add(s * z, h, h);
-                let c = self.lit(2.087_675_7e-9);
-                let c = Real::mul_add(c, z, self.lit(-2.755_731_9e-7));
-                let c = Real::mul_add(c, z, self.lit(2.480_158_7e-5));
-                let c = Real::mul_add(c, z, self.lit(-1.388_888_9e-3));
-                let c = Real::mul_add(c, z, self.lit(4.166_666_7e-2));
-                let c = Real::mul_add(c, z, self.lit(-0.5));
-                let c = Real::mul_add(c, z, self.lit(1.0));
-                let two = self.lit(2.0);
-                (two * s * c, (c - s) * (c + s))
-            }
+impl<S: Simd> Real for f32x16<S> {
+    type Mask = <Self as SimdBase<S>>::Mask;
+    type Scalar = f32;
+    type Lanes = [f32; LANES];
+    #[inline(always)]
+    fn fill(self, x: f32) -> Self {
+        Self::splat(self.simd, x)
+    }
+    #[inline(always)]
+    fn load(self, lanes: &[f32; LANES]) -> Self {
+        Self::load_array_ref(self.simd, lanes)
+    }
+    #[inline(always)]
+    fn lit(self, x: f64) -> Self {
+        Self::splat(self.simd, x as f32)
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        SimdFloat::mul_add(self, a, b)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        SimdFloat::sqrt(self)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        SimdBase::min(self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        SimdBase::max(self, other)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self::Mask {
+        self.simd_lt(other)
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Select::select(mask, yes, no)
+    }
+    #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        mask.any_true()
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        SimdFloat::floor(self)
+    }
+    #[inline(always)]
+    fn fetch_pair(index: Self, table: &[u32]) -> (Self, Self) {
+        let simd = index.simd;
+        let at: u32x16<S> = index.to_int();
+        let mut pairs = at.min((table.len() - 1) as u32).to_array();
+        // A plain loop of loads: the compiler keeps it branch-free, and no processor gathers much faster.
+        for pair in &mut pairs {
+            *pair = table[*pair as usize];
         }
-
-        impl<S: Simd> Vector<S> for $f32<S> {
-            #[inline(always)]
-            fn load(simd: S, lanes: &[f32; LANES]) -> Self {
-                Self::load_array_ref(simd, lanes.first_chunk().expect("no vector is longer"))
-            }
-            #[inline(always)]
-            fn store(self, lanes: &mut [f32; LANES]) {
-                lanes[..$n].copy_from_slice(&self.to_array());
-            }
-        }
-    };
+        let pairs = u32x16::load_array(simd, pairs);
+        ((pairs & 0xffff).to_float(), (pairs >> 16).to_float())
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let y = self.approximate_recip();
+        y * Real::mul_add(-self, y, self.lit(2.0))
+    }
+    /// Magic-number split into integer and fraction, then the degree-6 minimax polynomial of 2^f on [−½, ½]
+    /// (relative error 2e-8).
+    #[inline(always)]
+    fn exp2(self) -> Self {
+        let x = Real::max(Real::min(self, self.lit(126.0)), self.lit(-126.0));
+        let magic = self.lit(12_582_912.0); // 1.5 · 2^23: adding it rounds to an integer held in the low mantissa bits
+        let shifted = x + magic;
+        let f = x - (shifted - magic);
+        let p = self.lit(1.535_336e-4);
+        let p = Real::mul_add(p, f, self.lit(1.339_887e-3));
+        let p = Real::mul_add(p, f, self.lit(9.618_437e-3));
+        let p = Real::mul_add(p, f, self.lit(5.550_332_6e-2));
+        let p = Real::mul_add(p, f, self.lit(2.402_264_8e-1));
+        let p = Real::mul_add(p, f, self.lit(6.931_472e-1));
+        let p = Real::mul_add(p, f, self.lit(1.0));
+        let bits: i32x16<S> = shifted.bitcast();
+        let scaled: i32x16<S> = p.bitcast::<i32x16<S>>() + (bits << 23);
+        Real::select(self.lt(self.lit(-126.0)), self.lit(0.0), scaled.bitcast())
+    }
+    /// Mantissa to [√½, √2), then the Cephes degree-8 polynomial of ln(1 + f) (relative error 1e-7 away from 1).
+    #[inline(always)]
+    fn log2(self) -> Self {
+        let bits: i32x16<S> = self.bitcast();
+        // Subtracting the bits of √½ leaves the exponent of the reduced mantissa in the upper nine bits.
+        let exponent = (bits - 0x3f35_04f3) >> 23;
+        let mantissa: Self = (bits - (exponent << 23)).bitcast();
+        let f = mantissa - self.lit(1.0);
+        let p = self.lit(7.037_683_6e-2);
+        let p = Real::mul_add(p, f, self.lit(-1.151_461e-1));
+        let p = Real::mul_add(p, f, self.lit(1.167_699_9e-1));
+        let p = Real::mul_add(p, f, self.lit(-1.242_014_1e-1));
+        let p = Real::mul_add(p, f, self.lit(1.424_932_3e-1));
+        let p = Real::mul_add(p, f, self.lit(-1.666_805_8e-1));
+        let p = Real::mul_add(p, f, self.lit(2.000_071_5e-1));
+        let p = Real::mul_add(p, f, self.lit(-2.499_999_4e-1));
+        let p = Real::mul_add(p, f, self.lit(3.333_333_1e-1));
+        let z = f * f;
+        let ln = Real::mul_add(p * z, f, f - z * self.lit(0.5));
+        Real::mul_add(ln, self.lit(core::f64::consts::LOG2_E), exponent.to_float())
+    }
+    /// Cephes asinf: a polynomial to ½, and asin x = π/2 − 2 asin √((1 − x)/2) above.
+    #[inline(always)]
+    fn asin(self) -> Self {
+        let a = Real::abs(self);
+        let large = self.lit(0.5).lt(a);
+        let z = Real::select(large, self.lit(0.5) * Real::abs(self.lit(1.0) - a), a * a);
+        let x = Real::select(large, Real::sqrt(z), a);
+        let p = self.lit(4.216_32e-2);
+        let p = Real::mul_add(p, z, self.lit(2.418_131_1e-2));
+        let p = Real::mul_add(p, z, self.lit(4.547_002_6e-2));
+        let p = Real::mul_add(p, z, self.lit(7.495_300_3e-2));
+        let p = Real::mul_add(p, z, self.lit(1.666_675_2e-1));
+        let r = Real::mul_add(p * z, x, x);
+        let r = Real::select(large, self.lit(core::f64::consts::FRAC_PI_2) - (r + r), r);
+        Real::select(self.lt(self.lit(0.0)), -r, r)
+    }
+    /// Taylor series of the half angle (|x| ≤ π/2, error below 6e-8), then the double-angle formulas.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let h = self * self.lit(0.5);
+        let z = h * h;
+        let s = self.lit(-2.505_210_8e-8);
+        let s = Real::mul_add(s, z, self.lit(2.755_731_9e-6));
+        let s = Real::mul_add(s, z, self.lit(-1.984_127e-4));
+        let s = Real::mul_add(s, z, self.lit(8.333_333_3e-3));
+        let s = Real::mul_add(s, z, self.lit(-1.666_666_7e-1));
+        let s = Real::mul_add(s * z, h, h);
+        let c = self.lit(2.087_675_7e-9);
+        let c = Real::mul_add(c, z, self.lit(-2.755_731_9e-7));
+        let c = Real::mul_add(c, z, self.lit(2.480_158_7e-5));
+        let c = Real::mul_add(c, z, self.lit(-1.388_888_9e-3));
+        let c = Real::mul_add(c, z, self.lit(4.166_666_7e-2));
+        let c = Real::mul_add(c, z, self.lit(-0.5));
+        let c = Real::mul_add(c, z, self.lit(1.0));
+        let two = self.lit(2.0);
+        (two * s * c, (c - s) * (c + s))
+    }
 }
-vector!(f32x16, u32x16, i32x16, 16);
-vector!(f32x8, u32x8, i32x8, 8);
 
 #[cfg(test)]
 mod tests {

@@ -10,14 +10,14 @@
 //! large cap are enough; about the axis alone they would follow cos δ there.
 //! Nothing is fitted: the only errors are those of bilinear interpolation and of 16-bit storage.
 
-use crate::batch::{CapBatch, MIN_HEIGHT, blocks};
+use crate::batch::{CHUNK, CapBatch, MIN_HEIGHT, Picked};
 use crate::brdf::Specular;
 use crate::cap::{Cap, projected_solid_angle};
 use crate::cubature::{Cubature, Rule};
 use crate::mean::MeanBrdf;
-use crate::real::{LANES, Real, Vector};
+use crate::real::{LANES, Real};
 use core::f64::consts::PI;
-use fearless_simd::{Level, Simd, dispatch, f32x8, f32x16, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// Reach of the table beyond the edge of the cap, in lobe widths 1/√n: the lobe is e⁻¹⁵ there.
@@ -228,9 +228,6 @@ impl MeanBrdf for Zonal {
     }
 }
 
-/// Caps looked up between two visits to the clipped ones; fixed, so that collecting those needs no allocation.
-const CHUNK: usize = 256;
-
 /// Three passes: which caps the lobe reaches at all, the table for those, and the horizon for those that cross it.
 #[inline(always)]
 fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
@@ -248,22 +245,23 @@ fn batch<S: Simd>(simd: S, table: &Zonal, caps: &CapBatch, wo: Vec3, out: &mut [
             }
         }
         let mut crossing = Crossing::default();
-        for (block, half) in blocks(&near[..nears]) {
-            let lanes = caps.gather(block);
-            let values = if half {
-                whole_caps::<S, f32x8<S>>(simd, table, &lanes, wo)
-            } else {
-                whole_caps::<S, f32x16<S>>(simd, table, &lanes, wo)
-            };
-            crossing.sort(block, &values, out);
+        let picked = Picked::from_batch(caps, &near[..nears]);
+        for place in (0..nears).step_by(LANES) {
+            let values = whole_caps(simd, table, picked.lanes(place), wo);
+            crossing.sort(&near[place..nears.min(place + LANES)], &values, out);
         }
         let Crossing { cut, mut whole, cuts, direct, directs } = crossing;
-        table.clipped.clip(simd, caps, &cut[..cuts], wo, &mut whole[..cuts]);
+        if cuts > 0 {
+            table.clipped.clip(simd, &Picked::from_batch(caps, &cut[..cuts]), wo, &mut whole[..cuts]);
+        }
         for (&i, &sum) in cut[..cuts].iter().zip(&whole[..cuts]) {
             let out = &mut out[i as usize];
             *out = sum.max(0.0) / *out;
         }
-        table.clipped.values_at(simd, caps, &direct[..directs], wo, |i, value| out[i] = value);
+        if directs > 0 {
+            let picked = Picked::from_batch(caps, &direct[..directs]);
+            table.clipped.means(simd, &picked, directs, wo, |place, value| out[picked.index[place] as usize] = value);
+        }
     }
 }
 
@@ -304,20 +302,18 @@ impl Crossing {
 /// Whole integrals of a vector of caps, their projected solid angles, and 0 where the cap lies above the horizon, 1 where the
 /// part below is to be taken away, 2 where the part above is to be integrated.
 #[inline(always)]
-fn whole_caps<S: Simd, V: Vector<S>>(simd: S, table: &Zonal, lanes: &[[f32; LANES]; 4], wo: Vec3) -> [[f32; LANES]; 3] {
-    let mut values = [[0.0; LANES]; 3];
+fn whole_caps<S: Simd>(simd: S, table: &Zonal, lanes: [&[f32; LANES]; 4], wo: Vec3) -> [[f32; LANES]; 3] {
     simd.vectorize(
         #[inline(always)]
         || {
-            let [x, y, z, height] = lanes.each_ref().map(|lanes| V::load(simd, lanes));
+            let [x, y, z, height] = lanes.map(|lanes| f32x16::load_array_ref(simd, lanes));
             let wo = wo.to_array().map(|w| z.fill(w));
-            table.numerator([x, y, z], height, wo).store(&mut values[0]);
-            projected_solid_angle(z, height).store(&mut values[1]);
-            let depth = V::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
-            V::select(crosses(z, height), depth, z.lit(0.0)).store(&mut values[2]);
+            let sums = table.numerator([x, y, z], height, wo);
+            let depth = Real::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
+            let depth = Real::select(crosses(z, height), depth, z.lit(0.0));
+            [sums, projected_solid_angle(z, height), depth].map(|values| values.to_array())
         },
-    );
-    values
+    )
 }
 
 #[cfg(test)]

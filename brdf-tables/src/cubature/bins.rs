@@ -14,7 +14,7 @@ use glam::Vec3;
 /// Index of the rule for views beyond the outer angle of a node.
 pub const OUTER: u8 = Rule::Disc(4).index();
 /// For views beyond the far angle of a node: the BRDF at the cap's axis stands for the mean.
-const FAR: u8 = Rule::Disc(1).index();
+pub const FAR: u8 = Rule::Disc(1).index();
 
 /// What a table says of one node: the cheapest rule of either kind within the lobe, and the angles between `wo` and the
 /// mirrored cap axis, in steps of π/255 rounded up, beyond which a disc of 4 nodes and the BRDF at the axis do.
@@ -156,7 +156,7 @@ impl Bins {
 
     /// [`Bins::of`] for a vector of caps.
     #[inline(always)]
-    pub fn of_lanes<S: Simd>(&self, simd: S, [x, y, z, height]: [f32x16<S>; 4], wo: Vec3) -> [u32; LANES] {
+    pub fn of_lanes<S: Simd>(&self, simd: S, [x, y, z, height]: [f32x16<S>; 4], wo: Vec3) -> u32x16<S> {
         let count = self.azimuths as f64;
         let cosine: u32x16<S> = (z * z.lit(COSINES as f64)).to_int();
         let bits: u32x16<S> = height.bitcast();
@@ -167,15 +167,18 @@ impl Bins {
             let azimuth: u32x16<S> = (ay / Real::max(ax + ay, x.lit(1e-30)) * x.lit(count)).to_int();
             row = row * self.azimuths as u32 + azimuth.min(self.azimuths as u32 - 1);
         }
-        let index = (row * HEIGHTS as u32 + height).to_array();
-        let last = self.cells.len() - 1;
-        let bins = u32x16::load_array(simd, index.map(|i| self.cells[(i as usize).min(last)]));
+        let mut bins = (row * HEIGHTS as u32 + height).min(self.cells.len() as u32 - 1).to_array();
+        // A plain loop of loads: the compiler keeps it branch-free.
+        for bin in &mut bins {
+            *bin = self.cells[*bin as usize];
+        }
+        let bins = u32x16::load_array(simd, bins);
         let distance2 = ((x + wo.x).sq() + (y + wo.y).sq() + (z - wo.z).sq()) * x.lit(CHORD_STEPS);
         let rule = bins & 15;
         let (outer, far): (f32x16<S>, f32x16<S>) = ((bins >> 4 & CHORD_MASK).to_float(), (bins >> 18).to_float());
         let rule = distance2.simd_gt(outer).select(rule.min(u32::from(OUTER)), rule);
         let far_away = u32x16::splat(simd, u32::from(FAR));
-        distance2.simd_gt(far).select(far_away, rule).to_array()
+        distance2.simd_gt(far).select(far_away, rule)
     }
 }
 
@@ -236,7 +239,7 @@ mod tests {
                 let wo = crate::frame::spherical(1.5 * u(0.271), TAU * u(0.161)).as_vec3();
                 let (axis, height) = (cap.axis().as_vec3(), cap.height() as f32);
                 let lanes = [axis.x, axis.y, axis.z, height].map(|x| f32x16::splat(simd, x));
-                let found = bins.of_lanes(simd, lanes, wo);
+                let found = bins.of_lanes(simd, lanes, wo).to_array();
                 assert_eq!(found, [u32::from(bins.of(axis, height, wo)); LANES], "{cap:?}");
             }
         }

@@ -15,12 +15,14 @@
 mod bins;
 mod disc;
 mod footprint;
+mod lookup;
 mod rule;
+mod spread;
 mod table;
 
 pub use bins::{Node, OUTER};
 pub use footprint::Footprint;
-pub use rule::{NONE, RULES, Rule};
+pub use rule::{Grid, NONE, RULES, Rule};
 pub use table::Cubature;
 
 use crate::brdf::Formula;
@@ -49,8 +51,8 @@ impl<T: Real> Mapped<T> {
 
     /// Value and Jacobian at the node `x` ∈ [−1, 1] of a rule.
     #[inline(always)]
-    fn at(&self, x: T::Scalar) -> (T, T) {
-        let s = self.half.mul_add(self.half.fill(x), self.middle);
+    fn at(&self, x: T) -> (T, T) {
+        let s = self.half.mul_add(x, self.middle);
         let s2 = s.sq();
         let r = (s.lit(1.0) - s2).max(s.lit(1e-6)).recip();
         let kr = self.kappa * r;
@@ -77,8 +79,8 @@ pub fn holds_pole<T: Real>(axis: [T; 3], height: T) -> T::Mask {
 /// ∫ f_r(wi, wo) cosθi dwi over the part of the cap above the horizon (or below it): the numerator of eq. 9.
 ///
 /// `axis` is the cap axis in the frame of `wo`, `height` = 1 − cos σ, `rotation` = (cos, sin) of the azimuth of `wo`,
-/// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one. `rule` is a
-/// Gauss–Legendre rule, used in both directions.
+/// which takes directions back to the surface frame for an anisotropic formula; (1, 0) for an isotropic one. `grid` holds
+/// the nodes of a product rule.
 #[inline(always)]
 pub fn numerator<T: Real, F: Formula>(
     formula: &F,
@@ -87,7 +89,7 @@ pub fn numerator<T: Real, F: Formula>(
     axis: [T; 3],
     height: T,
     side: Side,
-    rule: &[(T::Scalar, T::Scalar)],
+    grid: &Grid<T::Lanes, T::Scalar>,
 ) -> T {
     let one = height.lit(1.0);
     let (zero, tiny) = (one.lit(0.0), one.lit(1e-12));
@@ -135,8 +137,8 @@ pub fn numerator<T: Real, F: Formula>(
     let tau_map = Mapped::new(lo - centre, hi - lo, kappa);
 
     let mut sum = zero;
-    for &(node, weight) in rule {
-        let (offset, jacobian) = tau_map.at(node);
+    for (node, weight) in &grid.outer {
+        let (offset, jacobian) = tau_map.at(one.load(node));
         let (sin_t, cos_t) = (centre + offset).sin_cos();
         // d = a − a_cap
         let x = sin_rho * sin_t;
@@ -168,8 +170,8 @@ pub fn numerator<T: Real, F: Formula>(
         let kappa_q = (one.lit(lobe.k0) * scale.sq() + one.lit(lobe.k1) * along.sq()).max(tiny).sqrt();
         let q_map = Mapped::new(q_lo - ridge, length, kappa_q);
         let mut row = zero;
-        for &(node, weight) in rule {
-            let (offset, jacobian) = q_map.at(node);
+        for &(node, weight) in &grid.inner {
+            let (offset, jacobian) = q_map.at(one.fill(node));
             let q = ridge + offset;
             let cos_b = (one - q.sq()).max(tiny).sqrt();
             let wi = [cos_b * sin_a, q, cos_b * cos_a];
@@ -177,7 +179,7 @@ pub fn numerator<T: Real, F: Formula>(
             let measure = jacobian * one.fill(weight) * wi[2];
             row = measure.mul_add(formula.rest(wi, wo), row);
         }
-        let measure = jacobian * one.fill(weight);
+        let measure = jacobian * one.load(weight);
         sum = measure.mul_add(row, sum);
     }
     sum * formula.factor(wo)

@@ -1,7 +1,8 @@
 //! The rules a cap may be integrated by, from the cheapest to the finest.
 
+use super::spread::Spread;
 use crate::gauss::gauss_legendre;
-use crate::real::Real;
+use crate::real::{LANES, Real};
 use core::f64::consts::TAU;
 use core::fmt;
 use std::sync::OnceLock;
@@ -73,36 +74,52 @@ impl fmt::Display for Rule {
 
 /// Nodes on a circle about the axis, of equal weight.
 #[derive(Clone, Debug)]
-pub struct Ring<S> {
+pub struct Ring<L> {
     /// 1 − cos of the angle from the axis, over the height of the cap: the fraction of the solid angle within.
-    pub height: S,
+    pub height: L,
     /// Weight of each node; those of a rule add up to 1.
-    pub weight: S,
+    pub weight: L,
     /// (cos, sin) of their azimuths.
-    pub azimuths: Vec<(S, S)>,
+    pub azimuths: Vec<(L, L)>,
 }
 
-/// The numbers of a rule.
+/// The numbers of a rule; those of type `L` may differ from lane to lane.
 #[derive(Clone, Debug)]
-pub enum Nodes<S> {
+pub enum Nodes<L, S> {
     /// Of [`Rule::Disc`].
-    Disc(Vec<Ring<S>>),
-    /// Of [`Rule::Product`]: nodes and weights on [−1, 1].
-    Product(Vec<(S, S)>),
+    Disc(Vec<Ring<L>>),
+    /// Of [`Rule::Product`].
+    Product(Grid<L, S>),
 }
 
-impl<S: Copy> Nodes<S> {
-    fn new(rule: Rule, lit: impl Fn(f64) -> S) -> Self {
+/// Nodes and weights on [−1, 1] of two Gauss–Legendre rules.
+#[derive(Clone, Debug)]
+pub struct Grid<L, S> {
+    /// Over the meridians.
+    pub outer: Vec<(L, L)>,
+    /// On each of them.
+    pub inner: Vec<(S, S)>,
+}
+
+impl<L, S> Nodes<L, S> {
+    /// The numbers of `rule`, each as `lanes` and `scalar` make it.
+    pub fn new(rule: Rule, lanes: impl Fn(f64) -> L, scalar: impl Fn(f64) -> S) -> Self {
         match rule {
             Rule::Disc(n) => {
                 let ring = |&(height, weight, count, turn): &(f64, f64, usize, f64)| {
                     let azimuth = |k: usize| (TAU * (k as f64 + turn) / count as f64).sin_cos();
-                    let azimuths = (0..count).map(azimuth).map(|(s, c)| (lit(c), lit(s))).collect();
-                    Ring { height: lit(height), weight: lit(weight / count as f64), azimuths }
+                    let azimuths = (0..count).map(azimuth).map(|(s, c)| (lanes(c), lanes(s))).collect();
+                    Ring { height: lanes(height), weight: lanes(weight / count as f64), azimuths }
                 };
                 Nodes::Disc(disc(n).iter().map(ring).collect())
             }
-            Rule::Product(n) => Nodes::Product(gauss_legendre(n).into_iter().map(|(x, w)| (lit(x), lit(w))).collect()),
+            Rule::Product(n) => {
+                let rule = gauss_legendre(n);
+                Nodes::Product(Grid {
+                    outer: rule.iter().map(|&(x, w)| (lanes(x), lanes(w))).collect(),
+                    inner: rule.iter().map(|&(x, w)| (scalar(x), scalar(w))).collect(),
+                })
+            }
         }
     }
 }
@@ -152,10 +169,14 @@ fn disc(nodes: usize) -> Vec<(f64, f64, usize, f64)> {
     }
 }
 
-/// The numbers of `RULES[index]` in f64 and in f32.
-pub fn nodes(index: usize) -> &'static (Nodes<f64>, Nodes<f32>) {
-    static ALL: OnceLock<Vec<(Nodes<f64>, Nodes<f32>)>> = OnceLock::new();
-    let build = |&rule| (Nodes::new(rule, |x| x), Nodes::new(rule, |x| x as f32));
+/// The numbers of `RULES[index]`: in f64, with a cap per lane, and with a node per lane.
+pub fn nodes(index: usize) -> &'static (Nodes<f64, f64>, Nodes<[f32; LANES], f32>, Spread) {
+    static ALL: OnceLock<Vec<(Nodes<f64, f64>, Nodes<[f32; LANES], f32>, Spread)>> = OnceLock::new();
+    let build = |&rule| {
+        let exact = Nodes::new(rule, |x| x, |x| x);
+        let spread = Spread::new(&exact);
+        (exact, Nodes::new(rule, |x| [x as f32; LANES], |x| x as f32), spread)
+    };
     &ALL.get_or_init(|| RULES.iter().map(build).collect())[index]
 }
 
@@ -187,7 +208,7 @@ mod tests {
             (35, 13, 0.005),
             (46, 15, 0.005),
         ] {
-            let Nodes::Disc(rings) = Nodes::new(Rule::Disc(count), |x| x) else { panic!("a disc") };
+            let Nodes::Disc(rings) = Nodes::new(Rule::Disc(count), |x| x, |x| x) else { panic!("a disc") };
             let mean = |i: i32, j: i32| -> f64 {
                 let power = |ring: &Ring<f64>| {
                     let r = ring.height.sqrt();
@@ -226,9 +247,9 @@ mod tests {
     fn rules_and_indices() {
         for (i, rule) in RULES.iter().enumerate() {
             assert_eq!(usize::from(rule.index()), i);
-            let sum = |nodes: &Nodes<f64>| match nodes {
+            let sum = |nodes: &Nodes<f64, f64>| match nodes {
                 Nodes::Disc(rings) => rings.iter().map(|r| r.azimuths.len()).sum::<usize>(),
-                Nodes::Product(rule) => rule.len() * rule.len(),
+                Nodes::Product(grid) => grid.outer.len() * grid.inner.len(),
             };
             assert_eq!(sum(&nodes(i).0), rule.evaluations(), "{rule}");
         }

@@ -1,0 +1,247 @@
+//! The look-up in vectors: caps sorted by their rule, then integrated with a cap, or a node of the rule, per lane.
+
+use super::bins::FAR;
+use super::disc::disc;
+use super::rule::{Nodes, RULES, nodes};
+use super::{Cubature, Footprint, Side, holds_pole, numerator};
+use crate::batch::{CHUNK, CapBatch, Picked};
+use crate::brdf::{Brdf, Formula, Visitor};
+use crate::cap::projected_solid_angle;
+use crate::real::{LANES, Real};
+use core::ops::Range;
+use fearless_simd::{Simd, f32x16, prelude::*, u8x64, u32x16};
+use glam::{DVec3, Vec3};
+
+/// What depends on `wo` alone: the lobe's footprint, the rotation into the frame of `wo`, and the one back.
+pub struct View {
+    /// The direction.
+    pub wo: DVec3,
+    /// Of the lobe.
+    pub lobe: Footprint,
+    /// (cos, sin) of the azimuth of `wo`.
+    pub rotation: (f64, f64),
+    /// The same for an anisotropic formula, none for an isotropic one.
+    pub turn: (f64, f64),
+}
+
+impl View {
+    /// From `wo`.
+    pub fn new(table: &Cubature, wo: DVec3) -> Self {
+        let (lobe, rotation) = Footprint::new(&table.specular, wo);
+        let turn = if table.isotropic { (1.0, 0.0) } else { rotation };
+        Self { wo, lobe, rotation, turn }
+    }
+}
+
+/// A direction of the surface frame in the frame of `wo`.
+#[inline(always)]
+pub fn into_frame<T: Real>([x, y, z]: [T; 3], (c, s): (f64, f64)) -> [T; 3] {
+    [x * x.lit(c) + y * x.lit(s), y * x.lit(c) - x * x.lit(s), z]
+}
+
+/// Numerator and denominator of the mean over one cap or a vector of them, or over their part below the horizon, for which
+/// there are product rules only. Where the lanes hold nodes, the sums over them are wanted; a product rule gives the
+/// denominator in each.
+#[inline(always)]
+pub fn integrals<T: Real, M: Formula>(
+    model: &M,
+    view: &View,
+    side: Side,
+    axis: [T; 3],
+    height: T,
+    nodes: &Nodes<T::Lanes, T::Scalar>,
+) -> (T, T) {
+    match nodes {
+        Nodes::Disc(rings) => {
+            let wo = view.wo.to_array().map(|x| height.lit(x));
+            disc(model, wo, axis, height, rings)
+        }
+        Nodes::Product(grid) => {
+            let turned = into_frame(axis, view.rotation);
+            let sum = numerator(model, &view.lobe, view.turn, turned, height, side, grid);
+            (sum, projected_solid_angle(axis[2], height))
+        }
+    }
+}
+
+/// The means over all caps.
+#[inline(always)]
+pub fn lookup<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBatch, wo: DVec3, out: &mut [f32]) {
+    let view = View::new(table, wo);
+    for start in (0..caps.len()).step_by(CHUNK) {
+        let count = CHUNK.min(caps.len() - start);
+        let rules = Rules::new(simd, table, model, caps, wo.as_vec3(), start, &mut out[start..start + count]);
+        let (picked, ends) = rules.sorted(simd, caps, start);
+        let kernel = Kernel { simd, model, view: &view, caps: &picked };
+        for (rule, ends) in ends.windows(2).enumerate() {
+            kernel.each(Side::Above, rule, ends[0]..ends[1], |place, sum, area| {
+                out[picked.index[place] as usize] = sum.max(0.0) / area.max(1e-30);
+            });
+        }
+    }
+}
+
+/// What every vector of a look-up needs.
+struct Kernel<'a, S, M> {
+    simd: S,
+    model: &'a M,
+    view: &'a View,
+    caps: &'a Picked,
+}
+
+impl<S: Simd, M: Formula> Kernel<'_, S, M> {
+    /// [`integrals`] of the listed caps by one rule, handed to `store` with their place in the list.
+    #[inline(always)]
+    fn each(&self, side: Side, rule: usize, places: Range<usize>, mut store: impl FnMut(usize, f32, f32)) {
+        let (_, nodes, spread) = nodes(rule);
+        for start in places.clone().step_by(LANES) {
+            let end = places.end.min(start + LANES);
+            if spread.pays(end - start) {
+                for group in (start..end).step_by(spread.caps) {
+                    let lanes = self.caps.spread(group, spread.caps);
+                    let found = self.vector(side, lanes.each_ref(), &spread.nodes);
+                    let [sums, areas] = spread.collect(&found);
+                    for k in 0..spread.caps.min(end - group) {
+                        store(group + k, sums[k], areas[k]);
+                    }
+                }
+            } else {
+                let [sums, areas] = self.vector(side, self.caps.lanes(start), nodes);
+                for k in 0..end - start {
+                    store(start + k, sums[k], areas[k]);
+                }
+            }
+        }
+    }
+
+    /// [`integrals`] of a vector.
+    #[inline(always)]
+    fn vector(&self, side: Side, lanes: [&[f32; LANES]; 4], nodes: &Nodes<[f32; LANES], f32>) -> [[f32; LANES]; 2] {
+        self.simd.vectorize(
+            #[inline(always)]
+            || {
+                let [x, y, z, height] = lanes.map(|lanes| f32x16::load_array_ref(self.simd, lanes));
+                let (sum, area) = integrals(self.model, self.view, side, [x, y, z], height, nodes);
+                [sum.to_array(), area.to_array()]
+            },
+        )
+    }
+}
+
+/// The rules of the caps of a chunk.
+struct Rules {
+    /// Index of each.
+    of: [u8; CHUNK],
+    /// A bit for each rule that some cap takes.
+    present: u32,
+}
+
+impl Rules {
+    /// Those of the chunk that begins at `start`; `out` receives the BRDF at the axes, which some caps keep.
+    #[inline(always)]
+    fn new<S: Simd, M: Formula>(
+        simd: S,
+        table: &Cubature,
+        model: &M,
+        caps: &CapBatch,
+        wo: Vec3,
+        start: usize,
+        out: &mut [f32],
+    ) -> Self {
+        let (mut of, mut present) = ([FAR; CHUNK], u32x16::splat(simd, 0));
+        let view = wo.to_array().map(|x| f32x16::splat(simd, x));
+        let factor = model.factor(view);
+        for ((block, out), of) in (start..).step_by(LANES).zip(out.chunks_mut(LANES)).zip(of.chunks_exact_mut(LANES)) {
+            let lanes = caps.lanes(block).map(|lanes| f32x16::load_array_ref(simd, lanes));
+            let [x, y, z, _] = lanes;
+            // Models are made for directions above the horizon.
+            let values = model.rest([x, y, Real::max(z, z.lit(1e-9))], view) * factor;
+            let values = Real::max(values, z.lit(0.0)).to_array();
+            let rules = table.bins.of_lanes(simd, lanes, wo);
+            present |= u32x16::splat(simd, 1) << rules;
+            let rules = rules.to_array().map(|rule| rule as u8);
+            match out.first_chunk_mut() {
+                Some(out) => (*out = values, of.copy_from_slice(&rules)),
+                None => {
+                    let count = out.len();
+                    (out.copy_from_slice(&values[..count]), of[..count].copy_from_slice(&rules[..count]))
+                }
+            };
+        }
+        Self { of, present: present.to_array().into_iter().fold(0, |all, bits| all | bits) }
+    }
+
+    /// The caps that do not keep the BRDF at the axis, by rule, and where each rule begins.
+    #[inline(always)]
+    fn sorted<S: Simd>(&self, simd: S, caps: &CapBatch, start: usize) -> (Picked, [usize; RULES.len() + 1]) {
+        let (mut picked, columns) = (Picked::new(), caps.columns());
+        let (mut ends, mut end) = ([0; RULES.len() + 1], 0);
+        for rule in 0..RULES.len() as u8 {
+            if rule != FAR && self.present >> rule & 1 == 1 {
+                for (first, rules) in (start as u32..).step_by(64).zip(self.of.chunks_exact(64)) {
+                    let mut bits = u8x64::from_slice(simd, rules).simd_eq(rule).to_bitmask();
+                    while bits != 0 {
+                        picked.put(end, columns, first + bits.trailing_zeros());
+                        bits &= bits - 1;
+                        end += 1;
+                    }
+                }
+            }
+            ends[usize::from(rule) + 1] = end;
+        }
+        (picked, ends)
+    }
+}
+
+impl Cubature {
+    /// [`Cubature::clip_value`] of the first caps of a list, as many as `whole` holds; it receives the result.
+    #[inline(always)]
+    pub(crate) fn clip<S: Simd>(&self, simd: S, picked: &Picked, wo: Vec3, whole: &mut [f32]) {
+        let view = View::new(self, wo.as_dvec3());
+        self.finest(simd, &view, Side::Below, picked, whole.len(), |place, part, _| {
+            let [x, y, z, height] = picked.get(place);
+            let pole = holds_pole(into_frame([x, y, z], view.rotation), height);
+            whole[place] = if pole { part } else { whole[place] - part };
+        });
+    }
+
+    /// The means over the first caps of a list by the finest product rule of the table, handed to `store` with their place.
+    #[inline(always)]
+    pub(crate) fn means<S: Simd>(
+        &self,
+        simd: S,
+        picked: &Picked,
+        count: usize,
+        wo: Vec3,
+        mut store: impl FnMut(usize, f32),
+    ) {
+        self.finest(simd, &View::new(self, wo.as_dvec3()), Side::Above, picked, count, |place, sum, area| {
+            store(place, sum.max(0.0) / area.max(1e-30));
+        });
+    }
+
+    /// [`Kernel::each`] by the finest product rule of the table.
+    #[inline(always)]
+    fn finest<S: Simd>(
+        &self,
+        simd: S,
+        view: &View,
+        side: Side,
+        caps: &Picked,
+        count: usize,
+        store: impl FnMut(usize, f32, f32),
+    ) {
+        struct Run<'a, S, F>(S, &'a View, Side, usize, &'a Picked, usize, F);
+        impl<S: Simd, F: FnMut(usize, f32, f32)> Visitor for Run<'_, S, F> {
+            type Output = ();
+            #[inline(always)]
+            fn visit<M: Brdf + Formula>(self, model: &M) {
+                let Run(simd, view, side, rule, caps, count, store) = self;
+                Kernel { simd, model, view, caps }.each(side, rule, 0..count, store);
+            }
+        }
+        if count > 0 {
+            self.specular.visit(Run(simd, view, side, self.bins.finest(), caps, count, store));
+        }
+    }
+}
