@@ -5,7 +5,7 @@
 
 use super::rule::{NONE, RULES, Rule};
 use crate::axis::Axes;
-use crate::real::{LANES, Real};
+use crate::real::Real;
 use core::f64::consts::{PI, TAU};
 use core::fmt;
 use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
@@ -191,6 +191,7 @@ fn nodes_between(low: f64, high: f64, interval: impl Fn(f64) -> usize) -> [usize
 mod tests {
     use super::*;
     use crate::cap::Cap;
+    use crate::real::LANES;
     use core::f64::consts::FRAC_PI_2;
     use fearless_simd::{Level, dispatch};
 

@@ -10,8 +10,7 @@ pub struct Spread {
     pub nodes: Nodes<[f32; LANES], f32>,
     /// Caps in a vector: 1, 2 or 4.
     pub caps: usize,
-    /// What a vector of these caps takes, and what one with a cap per lane would, in evaluations (or rows of them). The
-    /// preparation of a vector is worth another.
+    /// What a vector of these caps takes, and what one with a cap per lane would, in half evaluations (or rows of them).
     cost: [usize; 2],
 }
 
@@ -53,7 +52,10 @@ impl Spread {
                 })
             }
         };
-        Self { nodes, caps, cost: [vectors + 1, count + 1] }
+        // What a vector takes before its first node and after its last is little beside a row of a product rule, but as long
+        // as a few evaluations: most of it is waiting.
+        let rest = if matches!(rule, Nodes::Disc(_)) { 5 } else { 1 };
+        Self { nodes, caps, cost: [2 * vectors + rest, 2 * count + rest] }
     }
 
     /// Whether so many caps cost less than in a vector with one per lane.
