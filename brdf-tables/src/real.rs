@@ -9,6 +9,19 @@ use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, pr
 /// Lanes of the vector instance of [`Real`].
 pub const LANES: usize = 16;
 
+/// A constant of a formula in both precisions: to convert it costs more than to use it where that is for one vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant {
+    wide: f64,
+    narrow: f32,
+}
+
+impl From<f64> for Constant {
+    fn from(x: f64) -> Self {
+        Self { wide: x, narrow: x as f32 }
+    }
+}
+
 /// A real number, or several of them in lanes.
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
@@ -25,6 +38,8 @@ pub trait Real:
     fn load(self, lanes: &Self::Lanes) -> Self;
     /// The constant `x`, in the type of `self`.
     fn lit(self, x: f64) -> Self;
+    /// The same for a constant that is not known when the code is compiled.
+    fn constant(self, x: Constant) -> Self;
     /// `self · a + b`.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root; the argument must not be negative.
@@ -85,7 +100,7 @@ pub trait Real:
 }
 
 macro_rules! scalar {
-    ($t:ident) => {
+    ($t:ident, $precision:ident) => {
         impl Real for $t {
             type Mask = bool;
             type Scalar = $t;
@@ -101,6 +116,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn lit(self, x: f64) -> Self {
                 x as $t
+            }
+            #[inline(always)]
+            fn constant(self, x: Constant) -> Self {
+                x.$precision
             }
             #[inline(always)]
             fn mul_add(self, a: Self, b: Self) -> Self {
@@ -163,8 +182,8 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f64);
-scalar!(f32);
+scalar!(f64, wide);
+scalar!(f32, narrow);
 
 impl<S: Simd> Real for f32x16<S> {
     type Mask = <Self as SimdBase<S>>::Mask;
@@ -181,6 +200,10 @@ impl<S: Simd> Real for f32x16<S> {
     #[inline(always)]
     fn lit(self, x: f64) -> Self {
         Self::splat(self.simd, x as f32)
+    }
+    #[inline(always)]
+    fn constant(self, x: Constant) -> Self {
+        Self::splat(self.simd, x.narrow)
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {

@@ -1,9 +1,10 @@
 //! Lafortune 1997: a sum of generalised cosine lobes.
 
+use super::specular::FormulaVisitor;
 use super::{Brdf, Formula, Key, Kind, Model, Presence, Specular, Value, Values};
 use crate::frame::basis;
 use crate::material::MaterialError;
-use crate::real::Real;
+use crate::real::{Constant, Real};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -96,6 +97,43 @@ impl TryFrom<Vec<[f64; 4]>> for Lafortune {
 impl From<Lafortune> for Vec<[f64; 4]> {
     fn from(model: Lafortune) -> Self {
         model.lobes().to_vec()
+    }
+}
+
+/// The formula with its constants prepared, compiled for the number of lobes.
+struct Lobes<const COUNT: usize>([[Constant; 4]; COUNT]);
+
+impl<const COUNT: usize> Lobes<COUNT> {
+    #[inline(always)]
+    fn new(model: &Lafortune) -> Self {
+        Self(core::array::from_fn(|i| model.lobes[i].map(Constant::from)))
+    }
+}
+
+impl<const COUNT: usize> Formula for Lobes<COUNT> {
+    #[inline(always)]
+    fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        let (x, y, z) = (wi[0] * wo[0], wi[1] * wo[1], wi[2] * wo[2]);
+        let mut sum = x.lit(0.0);
+        // A loop: the compiler does not always put a closure into vector code.
+        for &[cx, cy, cz, n] in &self.0 {
+            let base = x * x.constant(cx) + y * x.constant(cy) + z * x.constant(cz);
+            sum = sum + base.powf(x.constant(n));
+        }
+        sum
+    }
+}
+
+impl Lafortune {
+    /// Runs `visitor` on the formula compiled for this number of lobes.
+    #[inline(always)]
+    pub(super) fn visit_formula<V: FormulaVisitor>(&self, visitor: V) -> V::Output {
+        match self.count {
+            1 => visitor.visit(&Lobes::<1>::new(self)),
+            2 => visitor.visit(&Lobes::<2>::new(self)),
+            3 => visitor.visit(&Lobes::<3>::new(self)),
+            _ => visitor.visit(&Lobes::<MAX_LOBES>::new(self)),
+        }
     }
 }
 

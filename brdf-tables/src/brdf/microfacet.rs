@@ -5,8 +5,8 @@ use super::model::ALPHA;
 use super::specular::FormulaVisitor;
 use super::{Brdf, Formula, Fresnel, Key, Model, Presence, Specular, Value, Values, half_vector};
 use crate::material::MaterialError;
-use crate::real::Real;
-use core::f64::consts::PI;
+use crate::real::{Constant, Real};
+use core::f64::consts::{LOG2_E, PI};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -124,48 +124,6 @@ impl Microfacet {
         }
         (model, Values(values))
     }
-
-    /// D(h) over [`Microfacet::scale`] for h = wi + wo of any length, and |h|². With α ≤ 1 the ratio below is at most 1, also in the limit
-    /// h → 0 where `wi` and `wo` graze from opposite sides.
-    #[inline(always)]
-    fn d<T: Real>(&self, distribution: Distribution, h: [T; 3]) -> (T, T) {
-        let one = h[0];
-        let slope2 = (h[0] * one.lit(1.0 / self.alpha_x)).sq() + (h[1] * one.lit(1.0 / self.alpha_y)).sq();
-        let h2 = h[0].sq() + h[1].sq() + h[2].sq();
-        let tiny = one.lit(1e-30);
-        let d = match distribution {
-            Distribution::Ggx => (h2 * (slope2 + h[2].sq()).max(tiny).recip()).sq(),
-            Distribution::Beckmann => {
-                // e^−t (1/cos²)² with 1/cos² cut where e^−t has long vanished, so that no overflow meets the zero
-                let over_z2 = h[2].sq().max(h2 * one.lit(1e-8)).max(tiny).recip();
-                (-slope2 * over_z2).exp() * (h2 * over_z2).sq()
-            }
-        };
-        (d, h2)
-    }
-
-    /// What the distribution is multiplied by to become a density, in sr⁻¹.
-    fn scale(&self) -> f64 {
-        1.0 / (PI * self.alpha_x * self.alpha_y)
-    }
-
-    /// G₁(w)/cosθ.
-    #[inline(always)]
-    fn g1_over_cos<T: Real>(&self, distribution: Distribution, w: [T; 3]) -> T {
-        let one = w[0];
-        let width2 = (w[0] * one.lit(self.alpha_x)).sq() + (w[1] * one.lit(self.alpha_y)).sq();
-        match distribution {
-            Distribution::Ggx => one.lit(2.0) * (w[2] + (w[2].sq() + width2).max(one.lit(1e-30)).sqrt()).recip(),
-            Distribution::Beckmann => {
-                // Walter's rational fit in a = cosθ/(α sinθ); 1 from a = 1.6 on
-                let over_width = width2.max(one.lit(1e-30)).sqrt().recip();
-                let a = (w[2] * over_width).min(one.lit(1.6));
-                let denominator = (a * one.lit(2.577) + one.lit(2.276)) * a + one.lit(1.0);
-                let fit = (a * one.lit(2.181) + one.lit(3.535)) * denominator.recip() * over_width;
-                T::select(a.lt(one.lit(1.6)), fit, w[2].max(one.lit(1e-30)).recip())
-            }
-        }
-    }
 }
 
 /// Reflectance of the facets in a kernel.
@@ -204,12 +162,66 @@ impl Reflectance for GrayPolynomial {
     }
 }
 
-/// The formula with its choices made when it is compiled: branches in the innermost loop would keep the compiler from
-/// moving what does not change out of it.
-struct Facets<'a, const GGX: bool, R>(&'a Microfacet, &'a R);
+/// The formula with its constants prepared and its choices made when it is compiled: branches in the innermost loop would
+/// keep the compiler from moving what does not change out of it.
+struct Facets<'a, const GGX: bool, R> {
+    /// What the squared slopes along x and y are multiplied by: 1/α², for the exponential of Beckmann times −log₂e.
+    slope: [Constant; 2],
+    /// α² along x and y.
+    width: [Constant; 2],
+    /// What the distribution is multiplied by to become a density in sr⁻¹, over 4.
+    scale: Constant,
+    reflectance: &'a R,
+}
 
-impl<const GGX: bool, R> Facets<'_, GGX, R> {
-    const DISTRIBUTION: Distribution = if GGX { Distribution::Ggx } else { Distribution::Beckmann };
+impl<'a, const GGX: bool, R> Facets<'a, GGX, R> {
+    #[inline(always)]
+    fn new(model: &Microfacet, reflectance: &'a R) -> Self {
+        let alphas = [model.alpha_x, model.alpha_y];
+        let per_slope = if GGX { 1.0 } else { -LOG2_E };
+        Self {
+            slope: alphas.map(|a| (per_slope / (a * a)).into()),
+            width: alphas.map(|a| (a * a).into()),
+            scale: (0.25 / (PI * model.alpha_x * model.alpha_y)).into(),
+            reflectance,
+        }
+    }
+
+    /// D(h) of a peak of 1 for h = wi + wo of any length, and |h|². With α ≤ 1 the ratio below is at most 1, also in the
+    /// limit h → 0 where `wi` and `wo` graze from opposite sides.
+    #[inline(always)]
+    fn d<T: Real>(&self, h: [T; 3]) -> (T, T) {
+        let one = h[0];
+        let [x2, y2, z2] = [h[0].sq(), h[1].sq(), h[2].sq()];
+        let slope2 = x2 * one.constant(self.slope[0]) + y2 * one.constant(self.slope[1]);
+        let h2 = x2 + y2 + z2;
+        let tiny = one.lit(1e-30);
+        let d = if GGX {
+            (h2 * (slope2 + z2).max(tiny).recip()).sq()
+        } else {
+            // e^−t (1/cos²)² with 1/cos² cut where e^−t has long vanished, so that no overflow meets the zero
+            let over_z2 = z2.max(h2 * one.lit(1e-8)).max(tiny).recip();
+            (slope2 * over_z2).exp2() * (h2 * over_z2).sq()
+        };
+        (d, h2)
+    }
+
+    /// G₁(w)/cosθ.
+    #[inline(always)]
+    fn g1_over_cos<T: Real>(&self, w: [T; 3]) -> T {
+        let one = w[0];
+        let width2 = w[0].sq() * one.constant(self.width[0]) + w[1].sq() * one.constant(self.width[1]);
+        if GGX {
+            one.lit(2.0) * (w[2] + (w[2].sq() + width2).max(one.lit(1e-30)).sqrt()).recip()
+        } else {
+            // Walter's rational fit in a = cosθ/(α sinθ); 1 from a = 1.6 on
+            let over_width = width2.max(one.lit(1e-30)).sqrt().recip();
+            let a = (w[2] * over_width).min(one.lit(1.6));
+            let denominator = (a * one.lit(2.577) + one.lit(2.276)) * a + one.lit(1.0);
+            let fit = (a * one.lit(2.181) + one.lit(3.535)) * denominator.recip() * over_width;
+            T::select(a.lt(one.lit(1.6)), fit, w[2].max(one.lit(1e-30)).recip())
+        }
+    }
 }
 
 impl<const GGX: bool, R: Reflectance> Formula for Facets<'_, GGX, R> {
@@ -220,14 +232,14 @@ impl<const GGX: bool, R: Reflectance> Formula for Facets<'_, GGX, R> {
 
     #[inline(always)]
     fn factor<T: Real>(&self, wo: [T; 3]) -> T {
-        self.0.g1_over_cos(Self::DISTRIBUTION, wo) * wo[2].lit(0.25 * self.0.scale())
+        self.g1_over_cos(wo) * wo[2].constant(self.scale)
     }
 
     #[inline(always)]
     fn rest<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         let h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-        let (d, h2) = self.0.d(Self::DISTRIBUTION, h);
-        d * self.0.g1_over_cos(Self::DISTRIBUTION, wi) * self.1.at(h2)
+        let (d, h2) = self.d(h);
+        d * self.g1_over_cos(wi) * self.reflectance.at(h2)
     }
 }
 
@@ -237,12 +249,12 @@ impl Microfacet {
     #[inline(always)]
     pub(super) fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output {
         match (self.distribution, self.fresnel, gray) {
-            (Distribution::Ggx, Fresnel::None, _) => visitor.visit(&Facets::<true, _>(self, &Mirror)),
-            (Distribution::Ggx, _, Some(gray)) => visitor.visit(&Facets::<true, _>(self, gray)),
-            (Distribution::Ggx, fresnel, None) => visitor.visit(&Facets::<true, _>(self, &fresnel)),
-            (Distribution::Beckmann, Fresnel::None, _) => visitor.visit(&Facets::<false, _>(self, &Mirror)),
-            (Distribution::Beckmann, _, Some(gray)) => visitor.visit(&Facets::<false, _>(self, gray)),
-            (Distribution::Beckmann, fresnel, None) => visitor.visit(&Facets::<false, _>(self, &fresnel)),
+            (Distribution::Ggx, Fresnel::None, _) => visitor.visit(&Facets::<true, _>::new(self, &Mirror)),
+            (Distribution::Ggx, _, Some(gray)) => visitor.visit(&Facets::<true, _>::new(self, gray)),
+            (Distribution::Ggx, fresnel, None) => visitor.visit(&Facets::<true, _>::new(self, &fresnel)),
+            (Distribution::Beckmann, Fresnel::None, _) => visitor.visit(&Facets::<false, _>::new(self, &Mirror)),
+            (Distribution::Beckmann, _, Some(gray)) => visitor.visit(&Facets::<false, _>::new(self, gray)),
+            (Distribution::Beckmann, fresnel, None) => visitor.visit(&Facets::<false, _>::new(self, &fresnel)),
         }
     }
 }
@@ -251,8 +263,8 @@ impl Formula for Microfacet {
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         match self.distribution {
-            Distribution::Ggx => Facets::<true, _>(self, &self.fresnel).f(wi, wo),
-            Distribution::Beckmann => Facets::<false, _>(self, &self.fresnel).f(wi, wo),
+            Distribution::Ggx => Facets::<true, _>::new(self, &self.fresnel).f(wi, wo),
+            Distribution::Beckmann => Facets::<false, _>::new(self, &self.fresnel).f(wi, wo),
         }
     }
 }
@@ -283,7 +295,7 @@ impl Brdf for Microfacet {
 
     fn pdf(&self, wi: DVec3, wo: DVec3) -> f64 {
         let Some((h, _)) = half_vector(wi, wo) else { return 0.0 };
-        let (d, _) = self.d(Distribution::Ggx, h.to_array());
-        d * self.g1_over_cos(Distribution::Ggx, wo.to_array()) * (0.25 * self.scale())
+        let ggx = Facets::<true, _>::new(self, &Mirror);
+        ggx.d(h.to_array()).0 * ggx.factor(wo.to_array())
     }
 }

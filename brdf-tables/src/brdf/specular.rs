@@ -61,8 +61,8 @@ impl Specular {
     pub(crate) fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output {
         match self {
             Specular::Phong(m) => visitor.visit(m),
-            Specular::Lafortune(m) => visitor.visit(m),
-            Specular::Ward(m) => visitor.visit(m),
+            Specular::Lafortune(m) => m.visit_formula(visitor),
+            Specular::Ward(m) => m.visit_formula(visitor),
             Specular::Microfacet(m) => m.visit_formula(gray, visitor),
         }
     }
