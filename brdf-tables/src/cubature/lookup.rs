@@ -2,7 +2,7 @@
 
 use super::bins::FAR;
 use super::disc::disc;
-use super::rule::{Nodes, RULES, nodes};
+use super::rule::{Nodes, Numbers, RULES, numbers};
 use super::{Cubature, Footprint, Side, holds_pole, numerator};
 use crate::batch::{CHUNK, CapBatch, Picked};
 use crate::brdf::{Brdf, Formula, Visitor};
@@ -49,7 +49,7 @@ pub fn integrals<T: Real, M: Formula>(
     side: Side,
     axis: [T; 3],
     height: T,
-    nodes: &Nodes<T::Lanes, T::Scalar>,
+    nodes: &Nodes<T::Lanes>,
 ) -> (T, T) {
     match nodes {
         Nodes::Disc(rings) => {
@@ -93,7 +93,7 @@ impl<S: Simd, M: Formula> Kernel<'_, S, M> {
     /// [`integrals`] of the listed caps by one rule, handed to `store` with their place in the list.
     #[inline(always)]
     fn each(&self, side: Side, rule: usize, places: Range<usize>, mut store: impl FnMut(usize, f32, f32)) {
-        let (_, nodes, spread) = nodes(rule);
+        let Numbers { lanes: nodes, spread, .. } = numbers(rule);
         for start in places.clone().step_by(LANES) {
             let end = places.end.min(start + LANES);
             if spread.pays(end - start) {
@@ -116,7 +116,7 @@ impl<S: Simd, M: Formula> Kernel<'_, S, M> {
 
     /// [`integrals`] of a vector.
     #[inline(always)]
-    fn vector(&self, side: Side, lanes: [&[f32; LANES]; 4], nodes: &Nodes<[f32; LANES], f32>) -> [[f32; LANES]; 2] {
+    fn vector(&self, side: Side, lanes: [&[f32; LANES]; 4], nodes: &Nodes<[f32; LANES]>) -> [[f32; LANES]; 2] {
         self.simd.vectorize(
             #[inline(always)]
             || {

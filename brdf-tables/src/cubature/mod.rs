@@ -89,7 +89,7 @@ pub fn numerator<T: Real, F: Formula>(
     axis: [T; 3],
     height: T,
     side: Side,
-    grid: &Grid<T::Lanes, T::Scalar>,
+    grid: &Grid<T::Lanes>,
 ) -> T {
     let one = height.lit(1.0);
     let (zero, tiny) = (one.lit(0.0), one.lit(1e-12));
@@ -170,13 +170,13 @@ pub fn numerator<T: Real, F: Formula>(
         let kappa_q = (one.lit(lobe.k0) * scale.sq() + one.lit(lobe.k1) * along.sq()).max(tiny).sqrt();
         let q_map = Mapped::new(q_lo - ridge, length, kappa_q);
         let mut row = zero;
-        for &(node, weight) in &grid.inner {
-            let (offset, jacobian) = q_map.at(one.fill(node));
+        for (node, weight) in &grid.inner {
+            let (offset, jacobian) = q_map.at(one.load(node));
             let q = ridge + offset;
             let cos_b = (one - q.sq()).max(tiny).sqrt();
             let wi = [cos_b * sin_a, q, cos_b * cos_a];
             let wi = if turn { turned(wi, cos_p, sin_p) } else { wi };
-            let measure = jacobian * one.fill(weight) * wi[2];
+            let measure = jacobian * one.load(weight) * wi[2];
             row = measure.mul_add(formula.rest(wi, wo), row);
         }
         let measure = jacobian * one.load(weight);

@@ -83,27 +83,27 @@ pub struct Ring<L> {
     pub azimuths: Vec<(L, L)>,
 }
 
-/// The numbers of a rule; those of type `L` may differ from lane to lane.
+/// The numbers of a rule, which may differ from lane to lane.
 #[derive(Clone, Debug)]
-pub enum Nodes<L, S> {
+pub enum Nodes<L> {
     /// Of [`Rule::Disc`].
     Disc(Vec<Ring<L>>),
     /// Of [`Rule::Product`].
-    Product(Grid<L, S>),
+    Product(Grid<L>),
 }
 
 /// Nodes and weights on [−1, 1] of two Gauss–Legendre rules.
 #[derive(Clone, Debug)]
-pub struct Grid<L, S> {
+pub struct Grid<L> {
     /// Over the meridians.
     pub outer: Vec<(L, L)>,
     /// On each of them.
-    pub inner: Vec<(S, S)>,
+    pub inner: Vec<(L, L)>,
 }
 
-impl<L, S> Nodes<L, S> {
-    /// The numbers of `rule`, each as `lanes` and `scalar` make it.
-    pub fn new(rule: Rule, lanes: impl Fn(f64) -> L, scalar: impl Fn(f64) -> S) -> Self {
+impl<L> Nodes<L> {
+    /// The numbers of `rule`, each as `lanes` makes it.
+    pub fn new(rule: Rule, lanes: impl Fn(f64) -> L) -> Self {
         match rule {
             Rule::Disc(n) => {
                 let ring = |&(height, weight, count, turn): &(f64, f64, usize, f64)| {
@@ -114,11 +114,8 @@ impl<L, S> Nodes<L, S> {
                 Nodes::Disc(disc(n).iter().map(ring).collect())
             }
             Rule::Product(n) => {
-                let rule = gauss_legendre(n);
-                Nodes::Product(Grid {
-                    outer: rule.iter().map(|&(x, w)| (lanes(x), lanes(w))).collect(),
-                    inner: rule.iter().map(|&(x, w)| (scalar(x), scalar(w))).collect(),
-                })
+                let nodes = || gauss_legendre(n).into_iter().map(|(x, w)| (lanes(x), lanes(w))).collect();
+                Nodes::Product(Grid { outer: nodes(), inner: nodes() })
             }
         }
     }
@@ -169,13 +166,22 @@ fn disc(nodes: usize) -> Vec<(f64, f64, usize, f64)> {
     }
 }
 
-/// The numbers of `RULES[index]`: in f64, with a cap per lane, and with a node per lane.
-pub fn nodes(index: usize) -> &'static (Nodes<f64, f64>, Nodes<[f32; LANES], f32>, Spread) {
-    static ALL: OnceLock<Vec<(Nodes<f64, f64>, Nodes<[f32; LANES], f32>, Spread)>> = OnceLock::new();
+/// The numbers of a rule in each form a look-up needs.
+pub struct Numbers {
+    /// In f64.
+    pub exact: Nodes<f64>,
+    /// The same in every lane: a cap per lane.
+    pub lanes: Nodes<[f32; LANES]>,
+    /// A node per lane.
+    pub spread: Spread,
+}
+
+/// The numbers of `RULES[index]`.
+pub fn numbers(index: usize) -> &'static Numbers {
+    static ALL: OnceLock<Vec<Numbers>> = OnceLock::new();
     let build = |&rule| {
-        let exact = Nodes::new(rule, |x| x, |x| x);
-        let spread = Spread::new(&exact);
-        (exact, Nodes::new(rule, |x| [x as f32; LANES], |x| x as f32), spread)
+        let exact = Nodes::new(rule, |x| x);
+        Numbers { spread: Spread::new(&exact), lanes: Nodes::new(rule, |x| [x as f32; LANES]), exact }
     };
     &ALL.get_or_init(|| RULES.iter().map(build).collect())[index]
 }
@@ -208,7 +214,7 @@ mod tests {
             (35, 13, 0.005),
             (46, 15, 0.005),
         ] {
-            let Nodes::Disc(rings) = Nodes::new(Rule::Disc(count), |x| x, |x| x) else { panic!("a disc") };
+            let Nodes::Disc(rings) = Nodes::new(Rule::Disc(count), |x| x) else { panic!("a disc") };
             let mean = |i: i32, j: i32| -> f64 {
                 let power = |ring: &Ring<f64>| {
                     let r = ring.height.sqrt();
@@ -247,11 +253,11 @@ mod tests {
     fn rules_and_indices() {
         for (i, rule) in RULES.iter().enumerate() {
             assert_eq!(usize::from(rule.index()), i);
-            let sum = |nodes: &Nodes<f64, f64>| match nodes {
+            let sum = |nodes: &Nodes<f64>| match nodes {
                 Nodes::Disc(rings) => rings.iter().map(|r| r.azimuths.len()).sum::<usize>(),
                 Nodes::Product(grid) => grid.outer.len() * grid.inner.len(),
             };
-            assert_eq!(sum(&nodes(i).0), rule.evaluations(), "{rule}");
+            assert_eq!(sum(&numbers(i).exact), rule.evaluations(), "{rule}");
         }
     }
 

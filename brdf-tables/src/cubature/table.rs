@@ -3,7 +3,7 @@
 
 use super::bins::Bins;
 use super::lookup::{View, integrals, into_frame, lookup};
-use super::rule::{NONE, Nodes, RULES, Rule, nodes};
+use super::rule::{NONE, Nodes, RULES, Rule, numbers};
 use super::{Node, Side, holds_pole, numerator};
 use crate::axis::Axes;
 use crate::batch::{CapBatch, MIN_HEIGHT};
@@ -61,7 +61,7 @@ impl Cubature {
             type Output = f64;
             fn visit<M: Brdf + Formula>(self, model: &M) -> f64 {
                 let Run(table, cap, wo, whole) = self;
-                let (view, (Nodes::Product(grid), ..)) = (View::new(table, wo), nodes(table.bins.finest())) else {
+                let (view, Nodes::Product(grid)) = (View::new(table, wo), &numbers(table.bins.finest()).exact) else {
                     return whole;
                 };
                 let (axis, height) = (into_frame(cap.axis().to_array(), view.rotation), cap.height());
@@ -87,7 +87,7 @@ impl MeanBrdf for Cubature {
                 let view = View::new(table, wo);
                 let rule = table.bins.of(cap.axis().as_vec3(), cap.height() as f32, wo.as_vec3());
                 let (axis, height) = (cap.axis().to_array(), cap.height().max(f64::from(MIN_HEIGHT)));
-                let (sum, area) = integrals(model, &view, Side::Above, axis, height, &nodes(usize::from(rule)).0);
+                let (sum, area) = integrals(model, &view, Side::Above, axis, height, &numbers(usize::from(rule)).exact);
                 sum.max(0.0) / area.max(1e-30)
             }
         }
@@ -113,4 +113,3 @@ impl MeanBrdf for Cubature {
         self.specular.visit_formula(self.gray.as_ref(), Run(self, caps, wo.as_dvec3(), out));
     }
 }
-
