@@ -4,6 +4,7 @@ use super::{Cut, Record, Tree};
 use crate::frame::Frame;
 use crate::scene::Rgb;
 use brdf_tables::cap::projected_solid_angle;
+use brdf_tables::real::Real;
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3A};
 
@@ -83,14 +84,16 @@ pub struct EasRecord {
 }
 
 /// Cosines below the sine of this angle are those of a patch that turns: it is never seen thinner than the cap is wide.
-pub(super) fn softened(cos: f32, sin_half_angle: f32) -> f32 {
-    (cos.max(0.0) + sin_half_angle) / (1.0 + sin_half_angle)
+#[inline(always)]
+pub(super) fn softened<T: Real>(cos: T, sin_half_angle: T) -> T {
+    (cos.max(cos.lit(0.0)) + sin_half_angle) * (cos.lit(1.0) + sin_half_angle).recip()
 }
 
 /// Sine of the half angle of a cap of this solid angle, 1 from a hemisphere on.
-pub(super) fn cap_sine(solid_angle: f32) -> f32 {
-    let height = (solid_angle * (1.0 / TAU)).min(1.0);
-    (height * (2.0 - height)).sqrt()
+#[inline(always)]
+pub(super) fn cap_sine<T: Real>(solid_angle: T) -> T {
+    let height = (solid_angle * solid_angle.lit(1.0 / core::f64::consts::TAU)).min(solid_angle.lit(1.0));
+    (height * (height.lit(2.0) - height)).sqrt()
 }
 
 impl EasRecord {
@@ -185,7 +188,7 @@ fn background(caps: impl Iterator<Item = (Rgb, f32)>) -> Rgb {
 }
 
 /// Octahedral projection (Cigolle et al. 2014) to two signed 16-bit fractions.
-fn pack_normal(n: Vec3A) -> [i16; 2] {
+pub(super) fn pack_normal(n: Vec3A) -> [i16; 2] {
     let p = Vec2::new(n.x, n.y) / n.abs().element_sum().max(f32::MIN_POSITIVE);
     let fold = |p: Vec2| (1.0 - Vec2::new(p.y.abs(), p.x.abs())) * Vec2::ONE.copysign(p);
     let p = if n.z < 0.0 { fold(p) } else { p };

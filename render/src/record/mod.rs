@@ -7,6 +7,7 @@ mod guide;
 pub mod harmonics;
 mod hessian;
 pub mod irradiance;
+mod moved;
 mod reflector;
 mod translate;
 mod tree;

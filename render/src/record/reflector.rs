@@ -96,6 +96,12 @@ impl Albedo {
         row(i) + (row(i + 1) - row(i)) * (x - i as f32)
     }
 
+    /// Cosine and sine of the angle from the mirror direction beyond which a small cap does not matter.
+    #[inline]
+    pub fn support(&self) -> (f32, f32) {
+        (self.support.cos(), self.support.sin())
+    }
+
     /// Cosine of the angle from the mirror direction beyond which a cap of solid angle Ω (sr) does not matter.
     #[inline]
     pub fn support_cosine(&self, solid_angle: f32) -> f32 {

@@ -1,12 +1,13 @@
 //! Reflection of a record's sources at another point (eas-2015, §3.3, eqs. 15–16 and Fig. 9).
 
-use super::eas::{Eas, EasRecord, Estimator, cap_sine, softened, unpack_normal};
+use super::eas::{Eas, EasRecord, Estimator, unpack_normal};
+use super::moved::{MIN_LENGTH2, Moved};
 use super::reflector::{Albedo, Reflector};
 use crate::frame::Frame;
 use crate::record::Record;
 use crate::scene::Rgb;
 use brdf_tables::batch::CapBatch;
-use brdf_tables::cap::projected_solid_angle;
+use brdf_tables::real::LANES;
 use core::f32::consts::{PI, TAU};
 use glam::Vec3A;
 
@@ -41,9 +42,6 @@ pub struct Scratch {
     pub harmonics: super::harmonics::Reader,
 }
 
-/// Most a source may grow or shrink on the way to a point of the zone of influence: what is more is not a translation.
-const MAX_RATIO: f32 = 4.0;
-
 /// Sources may cover the lobe, or the hemisphere, so many times, or that part of it, before they are scaled.
 const ROOM: f32 = 1.15;
 
@@ -66,8 +64,23 @@ struct Seen {
     direction: Vec3A,
     solid_angle: f32,
     irradiance: Rgb,
-    /// Projected solid angle above the horizon; 0 where the estimator does not know it.
-    area: f32,
+}
+
+impl Scratch {
+    /// Forgets the sources of another point.
+    fn clear(&mut self) {
+        self.caps.clear();
+        self.light.clear();
+        self.area.clear();
+    }
+
+    /// A source to look up; `area` is its projected solid angle, 0 where the estimator does not know it.
+    #[inline]
+    fn add(&mut self, seen: &Seen, area: f32, tint: Rgb) {
+        self.caps.push(seen.direction.into(), seen.solid_angle);
+        self.light.push(seen.irradiance * tint);
+        self.area.push(area);
+    }
 }
 
 /// Sums E′·F(θ′, Ω′; ωo) over the sources of `record` (eq. 15 at the point). Sources outside the support of the lobe add to
@@ -80,89 +93,71 @@ pub fn reflect(
     estimator: Estimator,
     scratch: &mut Scratch,
 ) -> Reflected {
-    let Scratch { caps, light, area, mean, .. } = scratch;
-    caps.clear();
-    light.clear();
-    area.clear();
-    let mut whole = 0.0;
-    let mut out = Reflected::default();
     let offset = at.position - record.position();
     let mirror = Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z);
-    for source in &record.sources {
-        let seen = match estimator {
-            Estimator::Paper => translate_paper(source, offset, &at.frame),
-            Estimator::Improved => translate(source, offset, &at.frame),
-        };
-        let Some(seen) = seen else { continue };
-        out.irradiance += seen.irradiance;
-        whole += seen.area;
-        // Beyond the support angle plus the cap's own, the lobe sees nothing of it.
-        if seen.direction.dot(mirror) > albedo.support_cosine(seen.solid_angle) {
-            caps.push(seen.direction.into(), seen.solid_angle);
-            light.push(seen.irradiance * reflector.tint(seen.direction, at.wo));
-            area.push(seen.area);
+    let tint = |direction| reflector.tint(direction, at.wo);
+    let (mut irradiance, mut whole) = (Rgb::ZERO, 0.0);
+    scratch.clear();
+    match estimator {
+        Estimator::Paper => {
+            for source in &record.sources {
+                let Some(seen) = translate_paper(source, offset, &at.frame) else { continue };
+                irradiance += seen.irradiance;
+                // Beyond the support angle plus the cap's own, the lobe sees nothing of it.
+                if seen.direction.dot(mirror) > albedo.support_cosine(seen.solid_angle) {
+                    scratch.add(&seen, 0.0, tint(seen.direction));
+                }
+            }
+        }
+        Estimator::Improved => {
+            for block in record.sources.chunks(LANES) {
+                let moved = Moved::new(block, offset, at, albedo);
+                for (lane, source) in block.iter().enumerate() {
+                    let area = moved.area[lane];
+                    let light = Rgb::from_array(source.light) * area;
+                    irradiance += light;
+                    whole += area;
+                    if moved.near[lane] > 0.0 {
+                        let direction = Vec3A::from_array(moved.direction.each_ref().map(|axis| axis[lane]));
+                        let seen = Seen { direction, solid_angle: moved.solid_angle[lane], irradiance: light };
+                        scratch.add(&seen, area, tint(direction));
+                    }
+                }
+            }
         }
     }
+    let Scratch { caps, light, area, mean, .. } = scratch;
     mean.resize(caps.len(), 0.0);
     reflector.table.specular_values(caps, at.wo.into(), mean);
-    out.specular = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
+    let mut specular: Rgb = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
     if estimator == Estimator::Improved {
         // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
         // meet in one direction: what they would reflect of light that is 1 everywhere must stay near the albedo.
         let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
-        out.specular *= toward_one(unit / albedo.at(at.wo));
-        out.irradiance *= (ROOM * PI / whole).min(1.0);
+        specular *= toward_one(unit / albedo.at(at.wo));
+        irradiance *= (ROOM * PI / whole).min(1.0);
     }
     if record.background != Rgb::ZERO {
-        out.irradiance += record.background * PI;
-        out.specular += record.background * reflector.tint(mirror, at.wo) * albedo.at(at.wo);
+        irradiance += record.background * PI;
+        specular += record.background * tint(mirror) * albedo.at(at.wo);
     }
-    out
-}
-
-/// Direction, squared length and distance ratio of the centroid seen from a point `offset` away: C = x + d·direction, in
-/// homogeneous form, so that d = ∞ is a direction only.
-fn moved(source: &Eas, offset: Vec3A) -> Option<(Vec3A, f32)> {
-    let toward = Vec3A::from_array(source.direction) - offset * source.inv_distance;
-    let length2 = toward.length_squared();
-    (length2 > 1e-4).then(|| (toward * length2.sqrt().recip(), length2))
-}
-
-/// The improved estimator: the cap keeps its radiance, its solid angle follows eq. 16 with bounded foreshortening, and its
-/// irradiance is that of the cap above the horizon, exactly.
-#[inline(always)]
-fn translate(source: &Eas, offset: Vec3A, frame: &Frame) -> Option<Seen> {
-    let (toward, length2) = moved(source, offset)?;
-    let sine = cap_sine(source.solid_angle);
-    let cos_alpha = -unpack_normal(source.normal).dot(toward);
-    let ratio = softened(cos_alpha, sine) * source.factor / length2;
-    let solid_angle = (source.solid_angle * ratio.clamp(1.0 / MAX_RATIO, MAX_RATIO)).min(TAU);
-    let mut direction = frame.to_local(toward);
-    let below = -direction.z / sine.max(f32::MIN_POSITIVE);
-    if below >= 1.0 {
-        return None;
-    }
-    let mut area = projected_solid_angle(direction.z.max(0.0), solid_angle / TAU);
-    if below > 0.0 {
-        // Less than half of the cap is above the horizon: it fades out as it sinks.
-        area *= (1.0 - below) * (1.0 - below);
-        direction.z = 0.0;
-        direction = direction.try_normalize()?;
-    }
-    Some(Seen { direction, solid_angle, irradiance: Rgb::from_array(source.light) * area, area })
+    Reflected { irradiance, specular }
 }
 
 /// Eq. 16 as published. Where it has no meaning (a patch turned away, a centroid below the horizon) the source is dropped.
 fn translate_paper(source: &Eas, offset: Vec3A, frame: &Frame) -> Option<Seen> {
-    let (toward, length2) = moved(source, offset)?;
+    // The centroid seen from a point `offset` away, C = x + d·direction, in homogeneous form: d = ∞ is a direction only.
+    let toward = Vec3A::from_array(source.direction) - offset * source.inv_distance;
+    let length2 = toward.length_squared();
+    let toward = toward.try_normalize()?;
     let direction = frame.to_local(toward);
     let cos_alpha = -unpack_normal(source.normal).dot(toward);
-    if direction.z <= 0.0 || cos_alpha <= 0.0 {
+    if direction.z <= 0.0 || cos_alpha <= 0.0 || length2 < MIN_LENGTH2 {
         return None;
     }
     let cos_theta = frame.normal().dot(Vec3A::from_array(source.direction));
     let irradiance = Rgb::from_array(source.light) * (direction.z * cos_alpha * source.factor / length2);
     // The stored factor holds both cosines of the record; the solid angle needs that of the patch alone.
     let solid_angle = source.solid_angle * (cos_alpha * source.factor * cos_theta.max(0.01) / length2);
-    Some(Seen { direction, solid_angle: solid_angle.min(TAU), irradiance, area: 0.0 })
+    Some(Seen { direction, solid_angle: solid_angle.min(TAU), irradiance })
 }
