@@ -1,7 +1,9 @@
 //! `render chart`: a sweep, its files, going on after an interruption, the suite, and one line for every mistake.
 
-use assert_cmd::Command;
+mod support;
+
 use std::path::{Path, PathBuf};
+use support::Folder;
 
 /// A glossy floor under a lamp beside a wall.
 const SCENE: &str = r#"<scene version="3.0.0">
@@ -26,47 +28,32 @@ const SCENE: &str = r#"<scene version="3.0.0">
     </shape>
 </scene>"#;
 
-/// The project's tables: those of the scene are shipped, nothing is fitted.
-fn tables() -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables").display().to_string()
-}
+/// Charts in a folder of its own.
+struct Charts(Folder);
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
+impl Charts {
+    /// With the project's tables: those of the scene are shipped, nothing is fitted.
     fn new() -> Self {
-        let folder = Self(tempfile::tempdir().unwrap());
-        std::fs::write(folder.path("scene.xml"), SCENE).unwrap();
-        folder
+        let tables = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables");
+        Self(Folder::with(SCENE, &["chart", "--tables", &tables.display().to_string()]))
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
     fn text(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    fn run(&self, args: &str) -> (i32, String) {
-        let mut command = Command::cargo_bin("render").unwrap();
-        command.current_dir(self.0.path()).args(["chart", "--tables", &tables()]).args(args.split_whitespace());
-        let output = command.output().unwrap();
-        (output.status.code().unwrap_or(-1), String::from_utf8_lossy(&output.stderr).into_owned())
-    }
-
     /// Runs; returns what was said of each cell that was run.
     fn ok(&self, args: &str) -> Vec<String> {
-        let (code, err) = self.run(args);
-        assert_eq!(code, 0, "{args}: {err}");
+        let (_, err) = self.0.ok(args);
         err.lines().filter(|l| l.contains("rel_mse")).map(str::to_owned).collect()
     }
 
-    /// Exit code 2, and one line that names what is wrong.
     fn bad(&self, args: &str, mention: &str) {
-        let (code, err) = self.run(args);
-        assert_eq!(code, 2, "{args}: {err}");
-        assert!(err.contains(mention) && !err.contains("panicked"), "{args}: {err}");
+        self.0.bad(args, mention);
     }
 }
 
@@ -98,7 +85,7 @@ const SWEEP: &str = "scene.xml --methods path,eas --times 0.05,0.1 --taus 0.2 --
 
 #[test]
 fn a_sweep_is_written_and_goes_on_where_it_stopped() {
-    let f = Folder::new();
+    let f = Charts::new();
     let said = f.ok(SWEEP);
     assert_eq!(said.len(), 6, "{said:?}");
     let table = f.text("out/chart.csv");
@@ -154,7 +141,7 @@ fn a_sweep_is_written_and_goes_on_where_it_stopped() {
 }
 
 /// The reference that a chart kept.
-fn reference(f: &Folder, folder: &str) -> String {
+fn reference(f: &Charts, folder: &str) -> String {
     let mut entries = std::fs::read_dir(f.path(folder).join("references")).unwrap();
     entries.next().unwrap().unwrap().path().display().to_string()
 }
@@ -162,7 +149,7 @@ fn reference(f: &Folder, folder: &str) -> String {
 /// Records of one size, whatever the view needs, for harmonics too.
 #[test]
 fn sizes_are_swept() {
-    let f = Folder::new();
+    let f = Charts::new();
     f.ok("scene.xml --methods sh,sh-29,eas-paper --times 0.05 --taus 0.3 --orders 3,6 --sources 10 --spp 4 \
           --reference-time 0.5 -o out");
     let table = f.text("out/chart.csv");
@@ -182,7 +169,7 @@ fn sizes_are_swept() {
 
 #[test]
 fn rows_of_peers_are_shown() {
-    let f = Folder::new();
+    let f = Charts::new();
     f.ok(SWEEP);
     let table = f.text("out/chart.csv");
     let row = table.lines().nth(1).unwrap().replace(",path,time=0.05,", ",peer-denoised,spp=16,");
@@ -209,7 +196,7 @@ fn rows_of_peers_are_shown() {
 
 #[test]
 fn the_suite_judges_every_method_and_scene() {
-    let f = Folder::new();
+    let f = Charts::new();
     std::fs::create_dir(f.path("failure")).unwrap();
     std::fs::write(f.path("failure/a.xml"), SCENE).unwrap();
     std::fs::write(f.path("failure/dark.xml"), SCENE.replace("value=\"8\"", "value=\"0\"")).unwrap();
@@ -234,7 +221,7 @@ fn the_suite_judges_every_method_and_scene() {
 
 #[test]
 fn mistakes_are_named() {
-    let f = Folder::new();
+    let f = Charts::new();
     let with = |more: &str| format!("scene.xml --methods path --times 0.05 --reference-time 0.5 {more}");
     f.bad(&with("-o out missing.xml"), "missing.xml");
     f.bad("-o out", "SCENE");

@@ -1,7 +1,9 @@
 //! The command as others script against it: outputs, figures, exit codes, one line for every mistake.
 
-use assert_cmd::Command;
-use std::path::{Path, PathBuf};
+mod support;
+
+use std::path::Path;
+use support::Folder;
 
 const SCENE: &str = r#"<scene version="3.0.0">
     <default name="gray" value="0.6"/>
@@ -14,53 +16,13 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="$gray"/></bsdf></shape>
 </scene>"#;
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().unwrap());
-        std::fs::write(folder.path("scene.xml"), SCENE).unwrap();
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Runs `render` in the folder with arguments divided by spaces; returns exit code, output and errors.
-    fn run(&self, args: &str) -> (i32, String, String) {
-        let output = Command::cargo_bin("render")
-            .unwrap()
-            .current_dir(self.0.path())
-            .args(args.split_whitespace())
-            .output()
-            .unwrap();
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
-    }
-
-    fn ok(&self, args: &str) -> String {
-        let (code, out, err) = self.run(args);
-        assert_eq!(code, 0, "{args}: {err}");
-        out
-    }
-
-    /// Bad input: exit code 2, and one line that names what is wrong.
-    fn bad(&self, args: &str, mention: &str) {
-        let (code, _, err) = self.run(args);
-        assert_eq!(code, 2, "{args}: {err}");
-        assert!(err.contains(mention), "{args}: {err}");
-        assert!(!err.contains("panicked"), "{args}: {err}");
-    }
-}
-
 fn pixels(path: &Path) -> render::image::Image {
     render::image::read(path).unwrap()
 }
 
 #[test]
 fn renders_exr_and_png_and_writes_figures() {
-    let f = Folder::new();
+    let f = Folder::with(SCENE, &[]);
     f.ok("image scene.xml -o a.exr --spp 16 --threads 1 --stats s.json");
     f.ok("image scene.xml -o b.exr --spp 16 --threads 2");
     assert_eq!(pixels(&f.path("a.exr")), pixels(&f.path("b.exr")));
@@ -82,7 +44,7 @@ fn renders_exr_and_png_and_writes_figures() {
 
 #[test]
 fn layers_add_up() {
-    let f = Folder::new();
+    let f = Folder::with(SCENE, &[]);
     f.ok("image scene.xml -o a.exr --spp 4");
     let image = exr::prelude::read_all_flat_layers_from_file(f.path("a.exr")).unwrap();
     let channels = &image.layer_data[0].channel_data.list;
@@ -104,7 +66,7 @@ fn layers_add_up() {
 
 #[test]
 fn views_parameters_and_budgets() {
-    let f = Folder::new();
+    let f = Folder::with(SCENE, &[]);
     f.ok("image scene.xml -o whole.exr --spp 4");
     f.ok("image scene.xml -o part.exr --spp 4 --crop 10,6,5,4");
     let (whole, part) = (pixels(&f.path("whole.exr")), pixels(&f.path("part.exr")));
@@ -136,28 +98,28 @@ fn views_parameters_and_budgets() {
 
 #[test]
 fn compares() {
-    let f = Folder::new();
+    let f = Folder::with(SCENE, &[]);
     f.ok("image scene.xml -o a.exr --spp 4 --seed 1");
     f.ok("image scene.xml -o b.exr --spp 4 -D gray=0.5");
     let json: serde_json::Value =
-        serde_json::from_str(&f.ok("compare a.exr b.exr --json --false-color c.png")).unwrap();
+        serde_json::from_str(&f.ok("compare a.exr b.exr --json --false-color c.png").0).unwrap();
     for key in ["rmse", "rel_mse", "bias", "max", "flip"] {
         assert!(json[key].as_f64().unwrap() > 0.0, "{key}");
     }
     assert_eq!(pixels(&f.path("c.png")).width, 24);
     assert_eq!(f.run("compare a.exr b.exr --fail-above 1e-6").0, 1);
     assert_eq!(f.run("compare a.exr b.exr --fail-above 1").0, 0);
-    let same: serde_json::Value = serde_json::from_str(&f.ok("compare a.exr a.exr --json")).unwrap();
+    let same: serde_json::Value = serde_json::from_str(&f.ok("compare a.exr a.exr --json").0).unwrap();
     assert_eq!((&same["rmse"], &same["flip"]), (&0.0.into(), &0.0.into()));
 }
 
 #[test]
 fn the_z_test_tells_noise_from_a_difference() {
-    let f = Folder::new();
+    let f = Folder::with(SCENE, &[]);
     f.ok("image scene.xml -o a.exr --spp 256 --seed 1");
     f.ok("image scene.xml -o b.exr --spp 512 --seed 2");
     f.ok("image scene.xml -o lighter.exr --spp 512 --seed 2 -D gray=0.65");
-    let out = f.ok("compare a.exr b.exr --z-test --json");
+    let (out, _) = f.ok("compare a.exr b.exr --z-test --json");
     let z: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(z["z_test"]["pixels"]["count"], 24 * 16);
     assert!(z["z_test"]["pixels"]["deviation"].as_f64().unwrap() > 0.1, "{out}");
@@ -171,7 +133,7 @@ fn the_z_test_tells_noise_from_a_difference() {
 
 #[test]
 fn mistakes_are_named() {
-    let f = Folder::new();
+    let f = Folder::with(SCENE, &[]);
     f.bad("image missing.xml -o a.exr", "missing.xml");
     f.bad("image scene.xml -o a.jpg", ".exr or .png");
     f.bad("image scene.xml -o nowhere/a.exr --spp 1", "nowhere/a.exr");
@@ -208,7 +170,7 @@ const GLOSSY: &str = r#"<scene version="3.0.0">
 /// A missing table is fitted and kept; the second run has no more to fit; both pictures appear, and so do the figures.
 #[test]
 fn cached_pictures_fit_what_they_need() {
-    let folder = Folder::new();
+    let folder = Folder::with(SCENE, &[]);
     std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
     let run = "image glossy.xml --method eas --spp 2 --tau 0.1 --tables made -o a.exr -o a.png --stats s.json";
     let (code, _, err) = folder.run(run);
@@ -226,7 +188,7 @@ fn cached_pictures_fit_what_they_need() {
 /// Harmonics need no table; the figures tell their order and size.
 #[test]
 fn harmonics_draw_without_tables() {
-    let folder = Folder::new();
+    let folder = Folder::with(SCENE, &[]);
     std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
     let run = "image glossy.xml --method sh --spp 2 --tau 0.1 --tables made -o a.exr --stats s.json";
     let (code, _, err) = folder.run(&format!("{run} --order 6 --gradients none --show-records r.png"));
@@ -248,7 +210,7 @@ fn harmonics_draw_without_tables() {
 
 #[test]
 fn what_caches_cannot_do_is_refused() {
-    let folder = Folder::new();
+    let folder = Folder::with(SCENE, &[]);
     std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
     std::fs::create_dir(folder.path("bad")).unwrap();
     std::fs::write(folder.path("bad/x.tbl"), "no table").unwrap();
@@ -263,14 +225,14 @@ fn what_caches_cannot_do_is_refused() {
 /// A run that is killed leaves either no cache file, the one that was there, or a whole new one, and the next run goes on.
 #[test]
 fn killed_runs_leave_whole_cache_files() {
-    let folder = Folder::new();
+    let folder = Folder::with(SCENE, &[]);
     let command = "image scene.xml --method irradiance --tau 0.2 --spp 1 --cache box.cache -o out.exr";
     folder.ok(command);
     let good = std::fs::read(folder.path("box.cache")).unwrap();
     let binary = assert_cmd::cargo::cargo_bin("render");
     for milliseconds in [0, 5, 10, 20, 40, 80] {
         let mut run = std::process::Command::new(&binary)
-            .current_dir(folder.0.path())
+            .current_dir(folder.folder.path())
             .args(command.split_whitespace())
             .stderr(std::process::Stdio::null())
             .spawn()

@@ -35,7 +35,7 @@ impl Octree {
 
     fn insert_below(&mut self, node: usize, middle: Vec3A, half: f32, level: u32, ball: (u32, Vec3A, f32)) {
         let (item, center, radius) = ball;
-        if half <= 2.0 * radius || level == MAX_LEVEL {
+        if half <= 0.5 * radius || level == MAX_LEVEL {
             self.nodes[node].items.push(item);
             return;
         }
