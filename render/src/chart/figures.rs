@@ -84,7 +84,7 @@ const KINDS: [Kind; 4] = [
         runs: Runs::Sizes,
         caption: "Error against the number of EAS, or the order of the harmonics, the same for all records of a run, the \
                   rest at one τ: eas-2015, Fig. 12 (right), in whose Fig. 7 too the error falls with the number of \
-                  EAS; `render probe` draws that one for a single record. What is left on the right is the noise of direct \
+                  EAS; the command “render probe” draws that one for a single record. What is left on the right is the noise of direct \
                   light and of the records.",
     },
     Kind {
@@ -92,8 +92,8 @@ const KINDS: [Kind; 4] = [
         x: ("seconds to fill the caches and draw the picture", |r| r.seconds),
         y: ("records", |r| r.records as f64),
         runs: Runs::Qualities,
-        caption: "Records that a quality asks for against the time it takes (eas-2015, Table 1, rows `# glossy rec.` and \
-                  `Rendering time`).",
+        caption: "Records that a quality asks for against the time it takes (eas-2015, Table 1, rows “# glossy rec.” and \
+                  “Rendering time”).",
     },
 ];
 

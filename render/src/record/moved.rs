@@ -176,7 +176,8 @@ mod tests {
     #[test]
     fn normals_are_those_that_were_packed() {
         for i in 0..1000 {
-            let n = crate::frame::uniform_sphere(glam::Vec2::new((i as f32 + 0.5) / 1000.0, (0.618 * i as f32).fract()));
+            let n =
+                crate::frame::uniform_sphere(glam::Vec2::new((i as f32 + 0.5) / 1000.0, (0.618 * i as f32).fract()));
             let [u, v] = super::super::eas::pack_normal(n).map(f32::from);
             let back = Vec3A::from_array(octahedral(u, v));
             assert!((back - n).length() < 1e-4, "{n}: {back}");

@@ -29,6 +29,9 @@ pub struct Reflected {
     pub irradiance: Rgb,
     /// Radiance reflected by the specular part at unit strength, W·m⁻²·sr⁻¹.
     pub specular: Rgb,
+    /// 1 where the sources, moved here, still tile the lobe, falling to 0 where they cover it three times or a third:
+    /// then they say little of this point.
+    pub trust: f32,
 }
 
 /// Memory for [`reflect`], reused from point to point.
@@ -47,6 +50,17 @@ const ROOM: f32 = 1.15;
 
 /// Most that sources are scaled up where they leave gaps.
 const MAX_FILL: f32 = 10.0;
+
+/// Cover, or its inverse, from which on sources are trusted less, and at which they are not at all.
+const TRUSTED: [f32; 2] = [1.2, 2.0];
+
+/// How far sources are trusted that cover the lobe so many times.
+#[inline]
+fn trust(cover: f32) -> f32 {
+    let [whole, none] = TRUSTED;
+    let off = cover.max(cover.recip()).min(none);
+    ((none - off) / (none - whole)).min(1.0)
+}
 
 /// Factor that takes a cover to within [`ROOM`] of 1.
 #[inline]
@@ -130,18 +144,22 @@ pub fn reflect(
     mean.resize(caps.len(), 0.0);
     reflector.table.specular_values(caps, at.wo.into(), mean);
     let mut specular: Rgb = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
+    let mut trusted = 1.0;
     if estimator == Estimator::Improved {
         // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
         // meet in one direction: what they would reflect of light that is 1 everywhere must stay near the albedo.
         let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
-        specular *= toward_one(unit / albedo.at(at.wo));
+        let reflected = albedo.at(at.wo);
+        let cover = if reflected > 0.0 { unit / reflected } else { 1.0 };
+        specular *= toward_one(cover);
+        trusted = trust(cover);
         irradiance *= (ROOM * PI / whole).min(1.0);
     }
     if record.background != Rgb::ZERO {
         irradiance += record.background * PI;
         specular += record.background * tint(mirror) * albedo.at(at.wo);
     }
-    Reflected { irradiance, specular }
+    Reflected { irradiance, specular, trust: trusted }
 }
 
 /// Eq. 16 as published. Where it has no meaning (a patch turned away, a centroid below the horizon) the source is dropped.

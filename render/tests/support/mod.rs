@@ -26,7 +26,8 @@ impl Folder {
     /// Runs `render` in the folder with arguments divided by spaces; returns exit code, output and errors.
     pub fn run(&self, args: &str) -> (i32, String, String) {
         let mut command = Command::cargo_bin("render").unwrap();
-        let output = command.current_dir(self.folder.path()).args(&self.first).args(args.split_whitespace()).output().unwrap();
+        let output =
+            command.current_dir(self.folder.path()).args(&self.first).args(args.split_whitespace()).output().unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
     }

@@ -74,6 +74,12 @@ pub struct Surface {
 /// Most surfaces of a pixel that are told apart; further ones are shaded where they are met.
 const MAX_SURFACES: usize = 8;
 
+/// Doubt about records that is borne without tracing.
+const DOUBT: f32 = 0.1;
+
+/// Paths of a surface whose records are doubted altogether: its neighbours have no noise, so it must not have much.
+const DOUBTED: f32 = 64.0;
+
 /// Samples of a traced surface whose light is cached for its neighbours only.
 const MIN_TRACED: f32 = 8.0;
 
@@ -218,6 +224,7 @@ impl Shader<'_> {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
+        let mut doubt = 0.0;
         let (cached, traced) = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
                 let found = interpolated(&self.caches.irradiance, position, hemisphere);
@@ -226,8 +233,9 @@ impl Shader<'_> {
             Treatment::Eas { lobe, traced } => {
                 let at = Receiver { position, frame: turned(&s.point, normal), wo: Vec3A::Z };
                 let wo = at.frame.to_local(s.wo.normalize());
-                let cached = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
-                (cached, traced)
+                let cached;
+                (cached, doubt) = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
+                (cached, traced.max(doubt))
             }
             Treatment::Harmonics { brdf } => {
                 let frame = turned(&s.point, normal);
@@ -242,7 +250,7 @@ impl Shader<'_> {
             // Nothing reaches here: trace instead.
             _ => {
                 let bsdf = self.world.bsdf(&s.point.at);
-                let count = s.samples.max(MIN_TRACED) as u32;
+                let count = s.samples.max(MIN_TRACED).max(DOUBTED * doubt) as u32;
                 let held = self.split.held.as_ref();
                 let sum = (0..count).fold(Split::ZERO, |sum, path| {
                     let mut sampler = samplers(path);
@@ -258,24 +266,35 @@ impl Shader<'_> {
         }
     }
 
-    /// Eq. 17.
+    /// Eq. 17, and the share of it that is to be traced instead because records say little of this point.
     #[inline(always)]
-    fn eas(&self, lobe: usize, s: &Surface, at: &Receiver, normal: Vec3A, scratch: &mut Scratch) -> Option<Split> {
+    fn eas(
+        &self,
+        lobe: usize,
+        s: &Surface,
+        at: &Receiver,
+        normal: Vec3A,
+        scratch: &mut Scratch,
+    ) -> (Option<Split>, f32) {
         let lobe = &self.policy.lobes[lobe];
         let reflector = Reflector { table: &lobe.table, diffuse: s.diffuse, specular: s.specular };
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
+        // `sum.trust` is the weight of the specular sum.
         self.caches.eas.interpolate(at.position, normal, self.quality.weight, |record, w| {
             if record.material == s.point.material.0 {
                 let part = reflect(record, at, &reflector, &lobe.albedo, self.quality.estimator, scratch);
                 sum.irradiance += part.irradiance * w;
-                sum.specular += part.specular * w;
+                sum.specular += part.specular * (w * part.trust);
+                sum.trust += w * part.trust;
                 weights += w;
             }
         });
-        (weights > 1e-3).then(|| Split {
+        let doubt = ((1.0 - sum.trust / weights) - DOUBT) / (1.0 - DOUBT);
+        let cached = (weights > 1e-3).then(|| Split {
             diffuse: s.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
-            glossy: s.specular * (sum.specular.max(Rgb::ZERO) / weights),
-        })
+            glossy: s.specular * (sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE)),
+        });
+        (cached, doubt.max(0.0))
     }
 }
 

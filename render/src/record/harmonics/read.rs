@@ -71,7 +71,11 @@ impl Reader {
             Basis::Hemispherical => (),
         }
         let offset = record.frame().to_local(position - record.position());
-        Reflected { irradiance: record.dots(offset, &self.cosine), specular: record.dots(offset, &self.specular) }
+        Reflected {
+            irradiance: record.dots(offset, &self.cosine),
+            specular: record.dots(offset, &self.specular),
+            trust: 1.0,
+        }
     }
 
     /// Functions in the frame of the world.
