@@ -51,13 +51,15 @@ impl Filler<'_> {
     ) -> bool {
         let total = f64::from(self.grid.width) * f64::from(self.grid.height);
         let mut seen = 0;
-        for pixels in waves(self.grid) {
+        let mut stopped = false;
+        'waves: for pixels in waves(self.grid) {
             let shrinks: Vec<Shrink> = pixels.par_iter().flat_map_iter(|&i| adapt(cache, i)).collect();
             cache.shrink(&shrinks);
             let open: Vec<usize> = pixels.par_iter().copied().filter(|&i| !covered(cache, i)).collect();
             for batch in open.chunks(BATCH) {
                 if self.deadline.is_some_and(|end| Instant::now() >= end) {
-                    return true;
+                    stopped = true;
+                    break 'waves;
                 }
                 let made: Vec<M> = batch.par_iter().filter_map(|&i| make(cache, i)).collect();
                 made.into_iter().for_each(|record| insert(cache, record));
@@ -65,7 +67,8 @@ impl Filler<'_> {
             seen += pixels.len();
             (self.progress)(seen as f64 / total);
         }
-        false
+        cache.refile();
+        stopped
     }
 }
 

@@ -44,6 +44,15 @@ impl<R: Record> Cache<R> {
         }
     }
 
+    /// Files all records anew by the radii that they have now: many have shrunk since they came. Sums over records then have
+    /// the order that they have in a cache read from a file.
+    pub fn refile(&mut self) {
+        self.octree.clear();
+        for (i, record) in (0..).zip(&self.records) {
+            self.octree.insert(i, record.position(), record.radius());
+        }
+    }
+
     /// Calls `found` with every record that counts at a point, and its weight.
     #[inline]
     pub fn interpolate(&self, position: Vec3A, normal: Vec3A, weight: Weight, mut found: impl FnMut(&R, f32)) {

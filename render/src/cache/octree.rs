@@ -28,7 +28,13 @@ impl Octree {
         Self { center, half: (0.5 * size).max(f32::MIN_POSITIVE), nodes: vec![Node::default()] }
     }
 
-    /// Files ball `item` in the nodes about as large as the ball that it overlaps.
+    /// Forgets all balls.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.nodes.push(Node::default());
+    }
+
+    /// Files ball `item` in the nodes about half as large as the ball that it overlaps.
     pub fn insert(&mut self, item: u32, center: Vec3A, radius: f32) {
         self.insert_below(0, self.center, self.half, 0, (item, center, radius));
     }
