@@ -95,7 +95,17 @@ fn batches_agree_with_scalars() {
     eprintln!("f32 lanes against f64, over the bound: zonal, cubature, lobes, paper {}", scientific(&worst));
 }
 
-/// A value does not depend on where in a batch its cap stands, how long the batch is, or what was there before.
+/// Bound of the differences in rounding.
+const ROUNDING: f32 = 3e-6;
+
+/// Largest difference over the largest value.
+fn off(found: &[f32], expected: &[f32]) -> f32 {
+    let largest = expected.iter().fold(1e-6f32, |m, x| m.max(*x));
+    found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) / largest
+}
+
+/// But for rounding (a few caps of a rule are summed in another order than many), a value does not depend on where in a
+/// batch its cap stands, how long the batch is, or what was there before.
 #[test]
 fn every_length_of_batch() {
     for (specular, name) in examples().step_by(5) {
@@ -117,7 +127,8 @@ fn every_length_of_batch() {
                 assert_eq!(batch.len(), length);
                 let mut out = vec![-1f32; length + 5];
                 table.values(&batch, wo, &mut out);
-                assert_eq!(out[..length], expected[..length], "{} of {name}, {length} caps", table.name());
+                let off = off(&out[..length], &expected[..length]);
+                assert!(off < ROUNDING, "{} of {name}, {length} caps: {off:.1e}", table.name());
                 assert!(out[length..].iter().all(|&x| x == -1.0), "written past the batch of {length}");
             }
         }
@@ -167,8 +178,10 @@ fn nothing_foreign_gets_through_a_batch() {
                         out[i],
                         foreign.get(i)
                     );
-                    assert!(i % 2 == 1 || out[i] == expected[i], "{} of {name}: a neighbour changed", table.name());
                 }
+                let even = |values: &[f32]| values.iter().step_by(2).copied().collect::<Vec<_>>();
+                let off = off(&even(&out), &even(&expected));
+                assert!(off < ROUNDING, "{} of {name}: a neighbour changed by {off:.1e}", table.name());
             }
         }
     }

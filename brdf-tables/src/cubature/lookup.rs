@@ -14,8 +14,9 @@ use glam::{DVec3, Vec3};
 
 /// What depends on `wo` alone: the lobe's footprint, the rotation into the frame of `wo`, and the one back.
 pub struct View {
-    /// The direction.
-    pub wo: DVec3,
+    /// `wo` in the frame of discs, and the rotation from the surface frame into that: the frame of `wo` for an isotropic
+    /// formula, so that turning all does not turn the nodes, the surface frame for an anisotropic one, which needs it.
+    pub disc: ([f64; 3], (f64, f64)),
     /// Of the lobe.
     pub lobe: Footprint,
     /// (cos, sin) of the azimuth of `wo`.
@@ -28,8 +29,13 @@ impl View {
     /// From `wo`.
     pub fn new(table: &Cubature, wo: DVec3) -> Self {
         let (lobe, rotation) = Footprint::new(&table.specular, wo);
-        let turn = if table.isotropic { (1.0, 0.0) } else { rotation };
-        Self { wo, lobe, rotation, turn }
+        let none = (1.0, 0.0);
+        let (disc, turn) = if table.isotropic {
+            (([lobe.sin_o, 0.0, lobe.cos_o], rotation), none)
+        } else {
+            ((wo.to_array(), none), rotation)
+        };
+        Self { disc, lobe, rotation, turn }
     }
 }
 
@@ -53,8 +59,9 @@ pub fn integrals<T: Real, M: Formula>(
 ) -> (T, T) {
     match nodes {
         Nodes::Disc(rings) => {
-            let wo = view.wo.to_array().map(|x| height.lit(x));
-            disc(model, wo, axis, height, rings)
+            let ([x, y, z], rotation) = view.disc;
+            let wo = [height.lit(x), height.lit(y), height.lit(z)];
+            disc(model, wo, into_frame(axis, rotation), height, rings)
         }
         Nodes::Product(grid) => {
             let turned = into_frame(axis, view.rotation);
