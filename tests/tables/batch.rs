@@ -170,14 +170,9 @@ fn nothing_foreign_gets_through_a_batch() {
                 let (mut out, mut expected) = (vec![0f32; foreign.len()], vec![0f32; clean.len()]);
                 table.values(&foreign, wo, &mut out);
                 table.values(&clean, wo, &mut expected);
-                for i in 0..out.len() {
-                    assert!(
-                        out[i].is_finite() && out[i] >= 0.0,
-                        "{} of {name}: {} for {:?}",
-                        table.name(),
-                        out[i],
-                        foreign.get(i)
-                    );
+                for (i, &value) in out.iter().enumerate() {
+                    let (name_of, cap) = (table.name(), foreign.get(i));
+                    assert!(value.is_finite() && value >= 0.0, "{name_of} of {name}: {value} for {cap:?}");
                 }
                 let even = |values: &[f32]| values.iter().step_by(2).copied().collect::<Vec<_>>();
                 let off = off(&even(&out), &even(&expected));
