@@ -28,12 +28,8 @@ pub trait Real:
 {
     /// A truth value per lane.
     type Mask: Copy;
-    /// What one lane holds.
-    type Scalar: Copy;
     /// All lanes in memory.
     type Lanes;
-    /// The same number in every lane.
-    fn fill(self, x: Self::Scalar) -> Self;
     /// From memory.
     fn load(self, lanes: &Self::Lanes) -> Self;
     /// The constant `x`, in the type of `self`.
@@ -103,12 +99,7 @@ macro_rules! scalar {
     ($t:ident, $precision:ident) => {
         impl Real for $t {
             type Mask = bool;
-            type Scalar = $t;
             type Lanes = $t;
-            #[inline(always)]
-            fn fill(self, x: $t) -> $t {
-                x
-            }
             #[inline(always)]
             fn load(self, lanes: &$t) -> $t {
                 *lanes
@@ -187,12 +178,7 @@ scalar!(f32, narrow);
 
 impl<S: Simd> Real for f32x16<S> {
     type Mask = <Self as SimdBase<S>>::Mask;
-    type Scalar = f32;
     type Lanes = [f32; LANES];
-    #[inline(always)]
-    fn fill(self, x: f32) -> Self {
-        Self::splat(self.simd, x)
-    }
     #[inline(always)]
     fn load(self, lanes: &[f32; LANES]) -> Self {
         Self::load_array_ref(self.simd, lanes)

@@ -307,7 +307,7 @@ fn whole_caps<S: Simd>(simd: S, table: &Zonal, lanes: [&[f32; LANES]; 4], wo: Ve
         #[inline(always)]
         || {
             let [x, y, z, height] = lanes.map(|lanes| f32x16::load_array_ref(simd, lanes));
-            let wo = wo.to_array().map(|w| z.fill(w));
+            let wo = wo.to_array().map(|w| f32x16::splat(simd, w));
             let sums = table.numerator([x, y, z], height, wo);
             let depth = Real::select(table.direct(z, height), z.lit(2.0), z.lit(1.0));
             let depth = Real::select(crosses(z, height), depth, z.lit(0.0));

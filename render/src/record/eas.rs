@@ -188,20 +188,23 @@ fn background(caps: impl Iterator<Item = (Rgb, f32)>) -> Rgb {
 }
 
 /// Octahedral projection (Cigolle et al. 2014) to two signed 16-bit fractions.
-pub(super) fn pack_normal(n: Vec3A) -> [i16; 2] {
+fn pack_normal(n: Vec3A) -> [i16; 2] {
     let p = Vec2::new(n.x, n.y) / n.abs().element_sum().max(f32::MIN_POSITIVE);
     let fold = |p: Vec2| (1.0 - Vec2::new(p.y.abs(), p.x.abs())) * Vec2::ONE.copysign(p);
     let p = if n.z < 0.0 { fold(p) } else { p };
     [p.x, p.y].map(|x| (x.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16)
 }
 
-/// Inverse of [`pack_normal`].
+/// Inverse of [`pack_normal`], from the two numbers.
 #[inline(always)]
-pub(super) fn unpack_normal(packed: [i16; 2]) -> Vec3A {
-    let [x, y] = packed.map(|x| f32::from(x) * (1.0 / i16::MAX as f32));
-    let z = 1.0 - x.abs() - y.abs();
-    let fold = (-z).max(0.0);
-    Vec3A::new(x - fold.copysign(x), y - fold.copysign(y), z).normalize()
+pub(super) fn unpack_normal<T: Real>(u: T, v: T) -> [T; 3] {
+    let (zero, scale) = (u.lit(0.0), u.lit(1.0 / f64::from(i16::MAX)));
+    let (x, y) = (u * scale, v * scale);
+    let z = u.lit(1.0) - x.abs() - y.abs();
+    let fold = (-z).max(zero);
+    let (x, y) = (T::select(x.lt(zero), x + fold, x - fold), T::select(y.lt(zero), y + fold, y - fold));
+    let inverse = (x.sq() + y.sq() + z.sq()).sqrt().recip();
+    [x * inverse, y * inverse, z * inverse]
 }
 
 impl Record for EasRecord {
@@ -242,7 +245,8 @@ mod tests {
             let (z, phi) = (-1.0 + 2.0 * (i as f32 + 0.5) / 1000.0, 2.4 * i as f32);
             let r = (1.0 - z * z).sqrt();
             let n = Vec3A::new(r * phi.cos(), r * phi.sin(), z);
-            assert!((unpack_normal(pack_normal(n)) - n).length() < 1e-4, "{n}");
+            let [u, v] = pack_normal(n).map(f32::from);
+            assert!((Vec3A::from_array(unpack_normal(u, v)) - n).length() < 1e-4, "{n}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! The sources of a record as another point sees them (eas-2015, eqs. 15–16), many at once.
 
-use super::eas::{Eas, cap_sine, softened};
+use super::eas::{Eas, cap_sine, softened, unpack_normal};
 use super::reflector::Albedo;
 use super::translate::Receiver;
 use brdf_tables::cap::projected_solid_angle;
@@ -69,8 +69,7 @@ fn moved<T: Real>(source: [T; 8], offset: Vec3A, at: &Receiver, albedo: &Albedo)
     let toward = [dx - ox * inverse, dy - oy * inverse, dz - oz * inverse];
     let length2 = dot(toward, toward);
     let inverse_length = length2.max(number(MIN_LENGTH2)).sqrt().recip();
-    let [nx, ny, nz] = octahedral(u, v);
-    let cos_alpha = -dot([nx, ny, nz], toward) * inverse_length;
+    let cos_alpha = -dot(unpack_normal(u, v), toward) * inverse_length;
 
     let sine = cap_sine(solid_angle);
     let ratio = softened(cos_alpha, sine) * factor * inverse_length.sq();
@@ -105,19 +104,6 @@ fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
-/// Unit normal from the two fractions that a source stores.
-#[inline(always)]
-fn octahedral<T: Real>(u: T, v: T) -> [T; 3] {
-    let (zero, scale) = (u.lit(0.0), u.lit(1.0 / f64::from(i16::MAX)));
-    let (x, y) = (u * scale, v * scale);
-    let z = u.lit(1.0) - x.abs() - y.abs();
-    let fold = (-z).max(zero);
-    let folded = |x: T| T::select(x.lt(zero), x + fold, x - fold);
-    let n = [folded(x), folded(y), z];
-    let inverse = dot(n, n).sqrt().recip();
-    [n[0] * inverse, n[1] * inverse, z * inverse]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,17 +115,22 @@ mod tests {
     fn lanes_follow_the_formula() {
         let table = Table::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../tables/phong-40.tbl")).unwrap();
         let albedo = Albedo::new(&table);
+        let (mut near, mut apart) = (0, 0);
         for i in 0..400 {
-            let u = |k: f32| (i as f32 * k).fract();
+            let u = |k: f32| (i as f32 * k + 31.0 * k).fract();
             let direction = |k: f32| crate::frame::uniform_sphere(glam::Vec2::new(u(k), u(k * 1.7)));
+            let own = |k: f32, lane: usize| k + 0.0413 * lane as f32;
             let sources: Vec<Eas> = (0..LANES)
                 .map(|lane| Eas {
-                    direction: direction(0.618 + lane as f32).to_array(),
-                    inv_distance: if lane == 3 { 0.0 } else { 2.0 * u(0.271 + lane as f32) },
+                    direction: direction(own(0.618, lane)).to_array(),
+                    inv_distance: if lane == 3 { 0.0 } else { 2.0 * u(own(0.271, lane)) },
                     light: [1.0; 3],
-                    solid_angle: 10f32.powf(-4.0 * u(0.377 + lane as f32)),
-                    normal: [(32767.0 * (2.0 * u(0.831) - 1.0)) as i16, (9000.0 * u(0.913 + lane as f32)) as i16],
-                    factor: 1.0 + 2.0 * u(0.513),
+                    solid_angle: 10f32.powf(-4.0 * u(own(0.377, lane))),
+                    normal: [
+                        (32767.0 * (2.0 * u(own(0.831, lane)) - 1.0)) as i16,
+                        (9000.0 * u(own(0.913, lane))) as i16,
+                    ],
+                    factor: 1.0 + 2.0 * u(own(0.513, lane)),
                 })
                 .collect();
             let offset = direction(0.737) * u(0.457);
@@ -168,19 +159,11 @@ mod tests {
                 }
                 let length = found[..3].iter().map(|x| x * x).sum::<f32>();
                 assert!(lanes.area[lane] == 0.0 || (length - 1.0).abs() < 1e-5, "{i} {lane}: {found:?}");
-                assert!(lanes.near[lane] == 0.0 || lanes.area[lane] > 0.0 || exact[4] < 1e-6, "{i} {lane}");
+                near += u32::from(exact[5] > 0.0);
+                apart += u32::from(f64::from(lanes.near[lane]) != exact[5]);
             }
         }
-    }
-
-    #[test]
-    fn normals_are_those_that_were_packed() {
-        for i in 0..1000 {
-            let n =
-                crate::frame::uniform_sphere(glam::Vec2::new((i as f32 + 0.5) / 1000.0, (0.618 * i as f32).fract()));
-            let [u, v] = super::super::eas::pack_normal(n).map(f32::from);
-            let back = Vec3A::from_array(octahedral(u, v));
-            assert!((back - n).length() < 1e-4, "{n}: {back}");
-        }
+        // Rounding decides at the edge of the support only.
+        assert!((500..5900).contains(&near) && apart < 10, "{near} of 6400 near, {apart} differ");
     }
 }

@@ -29,7 +29,7 @@ pub struct Reflected {
     pub irradiance: Rgb,
     /// Radiance reflected by the specular part at unit strength, W·m⁻²·sr⁻¹.
     pub specular: Rgb,
-    /// 1 where the sources, moved here, still tile the lobe, falling to 0 where they cover it three times or a third:
+    /// 1 where the sources, moved here, still tile the lobe, falling to 0 where they cover it twice or half:
     /// then they say little of this point.
     pub trust: f32,
 }
@@ -45,11 +45,8 @@ pub struct Scratch {
     pub harmonics: super::harmonics::Reader,
 }
 
-/// Sources may cover the lobe, or the hemisphere, so many times, or that part of it, before they are scaled.
+/// Sources may cover the hemisphere so many times before their irradiance is scaled down.
 const ROOM: f32 = 1.15;
-
-/// Most that sources are scaled up where they leave gaps.
-const MAX_FILL: f32 = 10.0;
 
 /// Cover, or its inverse, from which on sources are trusted less, and at which they are not at all.
 const TRUSTED: [f32; 2] = [1.2, 2.0];
@@ -60,17 +57,6 @@ fn trust(cover: f32) -> f32 {
     let [whole, none] = TRUSTED;
     let off = cover.max(cover.recip()).min(none);
     ((none - off) / (none - whole)).min(1.0)
-}
-
-/// Factor that takes a cover to within [`ROOM`] of 1.
-#[inline]
-fn toward_one(cover: f32) -> f32 {
-    match cover {
-        x if x > ROOM => ROOM / x,
-        x if x > 0.0 && x * ROOM < 1.0 => (1.0 / (ROOM * x)).min(MAX_FILL),
-        // Within the room, or nothing that could be scaled.
-        _ => 1.0,
-    }
 }
 
 /// A source as the point sees it.
@@ -151,7 +137,6 @@ pub fn reflect(
         let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
         let reflected = albedo.at(at.wo);
         let cover = if reflected > 0.0 { unit / reflected } else { 1.0 };
-        specular *= toward_one(cover);
         trusted = trust(cover);
         irradiance *= (ROOM * PI / whole).min(1.0);
     }
@@ -169,7 +154,8 @@ fn translate_paper(source: &Eas, offset: Vec3A, frame: &Frame) -> Option<Seen> {
     let length2 = toward.length_squared();
     let toward = toward.try_normalize()?;
     let direction = frame.to_local(toward);
-    let cos_alpha = -unpack_normal(source.normal).dot(toward);
+    let [u, v] = source.normal.map(f32::from);
+    let cos_alpha = -Vec3A::from_array(unpack_normal(u, v)).dot(toward);
     if direction.z <= 0.0 || cos_alpha <= 0.0 || length2 < MIN_LENGTH2 {
         return None;
     }
@@ -178,4 +164,22 @@ fn translate_paper(source: &Eas, offset: Vec3A, frame: &Frame) -> Option<Seen> {
     // The stored factor holds both cosines of the record; the solid angle needs that of the patch alone.
     let solid_angle = source.solid_angle * (cos_alpha * source.factor * cos_theta.max(0.01) / length2);
     Some(Seen { direction, solid_angle: solid_angle.min(TAU), irradiance })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whole trust within a fifth, none from twice or half on, less and less between, and the same for a cover and its inverse.
+    #[test]
+    fn trust_falls_with_the_cover() {
+        assert_eq!(
+            [trust(1.0), trust(1.2), trust(2.0), trust(0.5), trust(0.0), trust(f32::INFINITY)],
+            [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+        );
+        let covers = (0..=20).map(|i| 1.0 + 0.05 * i as f32);
+        let values: Vec<f32> = covers.clone().map(trust).collect();
+        assert!(values.is_sorted_by(|a, b| a >= b) && values[10] > 0.3 && values[10] < 0.8, "{values:?}");
+        assert!(covers.zip(values).all(|(x, value)| (trust(1.0 / x) - value).abs() < 1e-5));
+    }
 }
