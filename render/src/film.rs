@@ -4,7 +4,7 @@ use crate::camera::RayGenerator;
 use crate::integrator::{Integrator, Radiance};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
-use crate::world::World;
+use crate::world::{Queries, World};
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -88,14 +88,15 @@ pub fn render<I: Integrator>(
         };
         let (from, to) = (picture.spp, picture.spp + pass);
         let rows = AtomicU64::new(0);
-        picture.pixels.par_chunks_mut(window.width as usize).enumerate().for_each(|(y, row)| {
+        let sample_row = |(y, row): (usize, &mut [Pixel])| {
+            let mut queries = Queries::default();
             widest(
                 level,
                 #[inline(always)]
                 || {
                     for (x, pixel) in row.iter_mut().enumerate() {
                         let at = (window.x + x as u32, window.y + y as u32);
-                        sample_pixel(world, integrator, &camera, seed, at, from..to, pixel);
+                        sample_pixel(world, integrator, &camera, seed, at, from..to, pixel, &mut queries);
                     }
                 },
             );
@@ -104,11 +105,11 @@ pub fn render<I: Integrator>(
                 let part = done as f64 / f64::from(window.height);
                 progress((f64::from(from) + part * f64::from(pass)) / end);
             }
-        });
+            queries.rays
+        };
+        picture.rays += picture.pixels.par_chunks_mut(window.width as usize).enumerate().map(sample_row).sum::<u64>();
         picture.spp = to;
         picture.passes += 1;
-        // Ray counts are moved to 64 bits before they overflow.
-        picture.rays += picture.pixels.iter_mut().map(|p| u64::from(core::mem::take(&mut p.sum.rays))).sum::<u64>();
         if let Budget::Error(target) = budget {
             // The squared error falls with the number of samples.
             progress(f64::from(target / picture.relative_error()).powi(2).clamp(0.0, 1.0));
@@ -129,6 +130,7 @@ pub(crate) fn widest<T>(level: Level, f: impl FnOnce() -> T) -> T {
 
 /// Adds the samples of the given indices to a pixel.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 fn sample_pixel<I: Integrator>(
     world: &World,
     integrator: &I,
@@ -137,13 +139,15 @@ fn sample_pixel<I: Integrator>(
     (x, y): (u32, u32),
     indices: core::ops::Range<u32>,
     pixel: &mut Pixel,
+    queries: &mut Queries,
 ) {
     let count = indices.len() as f32;
     let mut pass = Rgb::ZERO;
+    let of_pixel = Sampler::new(seed, (x, y), 0);
     for index in indices {
-        let mut sampler = Sampler::new(seed, (x, y), index);
+        let mut sampler = of_pixel.with_index(index);
         let ray = camera.ray(x, y, sampler.next_2d());
-        let mut sample = integrator.radiance(world, ray, &mut sampler).finite();
+        let mut sample = integrator.radiance(world, ray, &mut sampler, queries).finite();
         if sample.distance > 0.0 {
             sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
             pixel.surfaces += 1;

@@ -21,33 +21,41 @@ impl Sampler {
         Self { reversed_index: index.reverse_bits(), key: mix(mix(seed) ^ pixel), pair: 0 }
     }
 
+    /// Points of another sample of the same pixel.
+    #[inline]
+    pub fn with_index(self, index: u32) -> Self {
+        Self { reversed_index: index.reverse_bits(), pair: 0, ..self }
+    }
+
     /// The next two dimensions: a (0,2)-sequence over the samples of a pixel.
     #[inline]
     pub fn next_2d(&mut self) -> Vec2 {
         let pair = self.pair;
         self.pair += 1;
-        Vec2::new(self.coordinate(pair, false), self.coordinate(pair, true))
+        let coordinate = |y| {
+            let (shuffle, scramble) = seeds(self.key, pair, y);
+            self.coordinate(shuffle, scramble, y)
+        };
+        Vec2::new(coordinate(false), coordinate(true))
     }
 
-    /// The same as four calls of [`Sampler::next_2d`], computed side by side: what one scattering needs.
+    /// The same as four calls of [`Sampler::next_2d`], computed side by side: what one scattering needs. What the samples of a
+    /// pixel have in common stays in `scrambles`.
     #[inline(always)]
-    pub fn next_4x2d(&mut self) -> [Vec2; 4] {
-        let pair = self.pair;
+    pub fn next_4x2d(&mut self, scrambles: &mut Scrambles) -> [Vec2; 4] {
+        let Scramble { shuffle, scramble } = scrambles.get(self.key, self.pair);
         self.pair += 4;
         // One loop of eight equal steps, which the compiler turns into vector instructions.
         let mut coordinates = [0.0; 8];
-        for (i, coordinate) in (0u32..).zip(&mut coordinates) {
-            *coordinate = self.coordinate(pair + (i & 3), i >= 4);
+        for (i, coordinate) in coordinates.iter_mut().enumerate() {
+            *coordinate = self.coordinate(shuffle[i], scramble[i], i >= 4);
         }
         core::array::from_fn(|i| Vec2::new(coordinates[i], coordinates[i + 4]))
     }
 
     /// One coordinate of a pair. No branches and no 64-bit arithmetic, which vector instructions lack.
     #[inline(always)]
-    fn coordinate(&self, pair: u32, y: bool) -> f32 {
-        let (low, high) = (self.key as u32, (self.key >> 32) as u32);
-        let shuffle = hash(low ^ hash(pair.wrapping_mul(0x9e37_79b9) ^ high));
-        let scramble = hash(shuffle ^ high.wrapping_add(if y { 0x85eb_ca6b } else { 0x2545_f491 }));
+    fn coordinate(&self, shuffle: u32, scramble: u32, y: bool) -> f32 {
         let index = owen(self.reversed_index, shuffle).reverse_bits();
         to_unit(owen(if y { pascal(index) } else { index }, scramble))
     }
@@ -57,6 +65,69 @@ impl Sampler {
     pub fn next_1d(&mut self) -> f32 {
         self.next_2d().x
     }
+}
+
+/// What scrambles four pairs of dimensions, the same for all samples of a pixel.
+#[derive(Clone, Copy, Debug)]
+struct Scramble {
+    /// First coordinates of the pairs, then second ones.
+    shuffle: [u32; 8],
+    scramble: [u32; 8],
+}
+
+impl Scramble {
+    #[inline(always)]
+    fn new(key: u64, pair: u32) -> Self {
+        let mut this = Self { shuffle: [0; 8], scramble: [0; 8] };
+        for i in 0..8 {
+            (this.shuffle[i], this.scramble[i]) = seeds(key, pair + (i as u32 & 3), i >= 4);
+        }
+        this
+    }
+}
+
+/// The scrambles of a pixel, in the order in which they were asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Scrambles {
+    key: u64,
+    /// By first pair.
+    known: Vec<(u32, Scramble)>,
+}
+
+impl Scrambles {
+    /// What the pairs from `pair` on are scrambled by.
+    #[inline(always)]
+    fn get(&mut self, key: u64, pair: u32) -> Scramble {
+        if self.key != key {
+            self.key = key;
+            self.known.clear();
+        }
+        let place = (pair / 4) as usize;
+        match self.known.get(place) {
+            Some(&(of, known)) if of == pair => known,
+            _ => self.learn(pair),
+        }
+    }
+
+    /// Paths ask for one scramble after the other, so that each finds its place.
+    #[inline(never)]
+    fn learn(&mut self, pair: u32) -> Scramble {
+        let new = Scramble::new(self.key, pair);
+        let place = (pair / 4) as usize;
+        self.known.truncate(place);
+        if self.known.len() == place {
+            self.known.push((pair, new));
+        }
+        new
+    }
+}
+
+/// Seeds of the nested shuffle of a pair's index, and of the scrambling of one of its coordinates.
+#[inline(always)]
+fn seeds(key: u64, pair: u32, y: bool) -> (u32, u32) {
+    let (low, high) = (key as u32, (key >> 32) as u32);
+    let shuffle = hash(low ^ hash(pair.wrapping_mul(0x9e37_79b9) ^ high));
+    (shuffle, hash(shuffle ^ high.wrapping_add(if y { 0x85eb_ca6b } else { 0x2545_f491 })))
 }
 
 /// A permutation of 32 bits that leaves no pattern (Wellons 2018, "lowbias32").
@@ -145,9 +216,13 @@ mod tests {
     fn four_pairs_at_once_are_the_same() {
         let mut one = Sampler::new(3, (17, 4), 9);
         let mut four = one;
+        let mut scrambles = Scrambles::default();
         for _ in 0..3 {
             let expected: [Vec2; 4] = core::array::from_fn(|_| one.next_2d());
-            assert_eq!(four.next_4x2d(), expected);
+            let mut again = four;
+            assert_eq!(four.next_4x2d(&mut scrambles), expected);
+            // Once more with what the first call left there.
+            assert_eq!(again.next_4x2d(&mut scrambles), expected);
         }
     }
 

@@ -33,7 +33,7 @@ fn renders_exr_and_png_and_writes_figures() {
     for key in ["method", "rays", "records", "eas_mean", "bytes_per_record", "cache_bytes", "spp", "threads"] {
         assert!(!stats[key].is_null(), "{key}");
     }
-    for key in ["load", "fit", "fill", "shade", "total"] {
+    for key in ["load", "fit", "fill", "shade", "write", "total"] {
         assert!(stats["seconds"][key].is_number(), "{key}");
     }
     assert_eq!((&stats["spp"], &stats["method"]), (&16.into(), &"path".into()));

@@ -59,7 +59,7 @@ impl World {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn model(&self, id: MaterialId, material: &Material, uv: Vec2, wo: Vec3A) -> Model<'_> {
         let textures = &self.scene.textures[..];
         match material {

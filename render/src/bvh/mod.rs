@@ -8,6 +8,7 @@ mod build;
 mod traverse;
 
 pub use build::TriangleBvh;
+pub use traverse::Stack;
 
 /// Children of a node and triangles of a leaf: the lanes of one vector operation.
 const WIDTH: usize = 8;

@@ -8,34 +8,50 @@ use glam::Vec3A;
 impl TriangleBvh {
     /// Nearest intersection between `ray.t_min` and `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
     #[inline(always)]
-    pub fn intersect(&self, ray: &Ray, hit: &mut Hit, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
+    pub fn intersect(
+        &self,
+        stack: &mut Stack,
+        ray: &Ray,
+        hit: &mut Hit,
+        accept: impl Fn(u32, f32, f32) -> bool,
+    ) -> bool {
         let Some(root) = self.root else { return false };
-        dispatch!(self.level, simd => nearest(simd, self, root, ray, hit, accept))
+        dispatch!(self.level, simd => nearest(simd, self, root, stack, ray, hit, accept))
     }
 
     /// Whether anything of which `accept` approves lies between `ray.t_min` and `ray.t_max`.
     #[inline(always)]
-    pub fn occluded(&self, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
+    pub fn occluded(&self, stack: &mut Stack, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
-        dispatch!(self.level, simd => any(simd, self, root, ray, accept))
+        dispatch!(self.level, simd => any(simd, self, root, stack, ray, accept))
     }
 }
 
 /// Entries the stack holds without touching the heap; more than a node's children.
 const INLINE: usize = 48;
 
-/// Pending subtrees: entry distance (as ordered bits) above the reference. Trees of any depth fit: what comes when the
-/// inline part is full goes to the heap, and is taken from there first.
-struct Stack {
+/// Pending subtrees of a ray, reused from ray to ray: entry distance (as ordered bits) above the reference. Trees of any
+/// depth fit: what comes when the inline part is full goes to the heap, and is taken from there first.
+#[derive(Clone, Debug)]
+pub struct Stack {
     len: usize,
     inline: [u64; INLINE],
     spill: Vec<u64>,
 }
 
-impl Stack {
+impl Default for Stack {
     #[inline(always)]
-    fn new() -> Self {
+    fn default() -> Self {
         Self { len: 0, inline: [0; INLINE], spill: Vec::new() }
+    }
+}
+
+impl Stack {
+    /// Forgets what an earlier ray left.
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.len = 0;
+        self.spill.clear();
     }
 
     /// Pushes entries, at most as many as a node has children, so that the smallest is popped first.
@@ -141,13 +157,8 @@ impl<S: Simd> TriangleTest<S> {
     #[inline(always)]
     fn new(simd: S, ray: &Ray) -> Self {
         let d = ray.direction.abs();
-        let kz = if d.x > d.y && d.x > d.z {
-            0
-        } else if d.y > d.z {
-            1
-        } else {
-            2
-        };
+        // The first of the largest, without branches.
+        let kz = (d.cmpge(Vec3A::splat(d.max_element())).bitmask().trailing_zeros() as usize).min(2);
         let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
         let inverse = 1.0 / ray.direction[kz];
         Self {
@@ -199,12 +210,13 @@ fn nearest<S: Simd>(
     simd: S,
     bvh: &TriangleBvh,
     root: u32,
+    stack: &mut Stack,
     ray: &Ray,
     hit: &mut Hit,
     accept: impl Fn(u32, f32, f32) -> bool,
 ) -> bool {
     let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
-    let mut stack = Stack::new();
+    stack.clear();
     let mut current = root;
     let mut found = false;
     loop {
@@ -274,9 +286,16 @@ impl Iterator for Lanes {
 }
 
 #[inline(always)]
-fn any<S: Simd>(simd: S, bvh: &TriangleBvh, root: u32, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
+fn any<S: Simd>(
+    simd: S,
+    bvh: &TriangleBvh,
+    root: u32,
+    stack: &mut Stack,
+    ray: &Ray,
+    accept: impl Fn(u32, f32, f32) -> bool,
+) -> bool {
     let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
-    let mut stack = Stack::new();
+    stack.clear();
     let mut next = Some(u64::from(root));
     while let Some(entry) = next {
         let current = entry as u32;
@@ -331,6 +350,7 @@ mod tests {
         for n in [0, 1, 2, 7, 8, 9, 65, 1000] {
             let triangles = soup(n, &mut rng);
             let bvh = TriangleBvh::new(&triangles);
+            let mut stack = Stack::default();
             for i in 0..500 {
                 let mut v = || Vec3A::from_array(core::array::from_fn(|_| rng.random_range(-1.5f32..1.5)));
                 let (origin, direction) = (v(), if i % 5 == 0 { Vec3A::X } else { v().normalize() });
@@ -339,17 +359,17 @@ mod tests {
                     triangles.iter().filter_map(|t| intersect_triangle(*t, &ray)).fold(f32::INFINITY, f32::min);
                 let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
                 assert_eq!(
-                    bvh.intersect(&ray, &mut hit, |_, _, _| true),
+                    bvh.intersect(&mut stack, &ray, &mut hit, |_, _, _| true),
                     expected.is_finite(),
                     "{n} triangles, ray {i}"
                 );
                 assert!(hit.t == expected || (hit.t - expected).abs() < 1e-5 * expected, "{} {expected}", hit.t);
-                assert_eq!(bvh.occluded(&ray, |_, _, _| true), expected.is_finite());
+                assert_eq!(bvh.occluded(&mut stack, &ray, |_, _, _| true), expected.is_finite());
                 if hit.exists() {
                     let [a, b, c] = triangles[hit.primitive as usize];
                     let p = a * (1.0 - hit.b1 - hit.b2) + b * hit.b1 + c * hit.b2;
                     assert!((p - origin - direction * hit.t).length() < 1e-4);
-                    assert!(!bvh.occluded(&Ray { t_max: hit.t * 0.999, ..ray }, |_, _, _| true));
+                    assert!(!bvh.occluded(&mut stack, &Ray { t_max: hit.t * 0.999, ..ray }, |_, _, _| true));
                 }
             }
         }
@@ -373,21 +393,23 @@ mod tests {
             }
         }
         let bvh = TriangleBvh::new(&triangles);
+        let mut stack = Stack::default();
         let origin = Vec3A::new(0.05, -0.02, 0.03);
         let targets =
             triangles.iter().flat_map(|[a, b, c]| [*a, (*a + *b) * 0.5, b.lerp(*c, 0.3), (*a + *b + *c) / 3.0]);
         for target in targets {
-            assert!(bvh.occluded(&Ray::new(origin, target - origin), |_, _, _| true), "towards {target}");
+            assert!(bvh.occluded(&mut stack, &Ray::new(origin, target - origin), |_, _, _| true), "towards {target}");
         }
     }
 
     #[test]
     fn degenerate_input_ends() {
+        let mut stack = Stack::default();
         let triangles = vec![[Vec3A::ONE; 3]; 5000];
         let bvh = TriangleBvh::new(&triangles);
-        assert!(!bvh.occluded(&Ray::new(Vec3A::ZERO, Vec3A::ONE), |_, _, _| true));
+        assert!(!bvh.occluded(&mut stack, &Ray::new(Vec3A::ZERO, Vec3A::ONE), |_, _, _| true));
         let stacked = vec![[Vec3A::ZERO, Vec3A::X, Vec3A::Y]; 5000];
         let bvh = TriangleBvh::new(&stacked);
-        assert!(bvh.occluded(&Ray::new(Vec3A::new(0.2, 0.2, 1.0), Vec3A::NEG_Z), |_, _, _| true));
+        assert!(bvh.occluded(&mut stack, &Ray::new(Vec3A::new(0.2, 0.2, 1.0), Vec3A::NEG_Z), |_, _, _| true));
     }
 }

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use render::cache::Spacing;
 use render::film::{Budget, Picture, render};
-use render::image::{write_picture, write_png};
+use render::image::{write_picture, write_png, write_whole};
 use render::inspect::overlay::show_records;
 use render::integrator::PathTracer;
 use render::integrator::cached::file::{self, CacheFileError};
@@ -234,6 +234,7 @@ struct Seconds {
     fit: f64,
     fill: f64,
     shade: f64,
+    write: f64,
     total: f64,
 }
 
@@ -306,12 +307,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     for output in &args.output {
         write_picture(output, &picture)?;
     }
-    stats.seconds.shade += writing.elapsed().as_secs_f64();
+    stats.seconds.write = writing.elapsed().as_secs_f64();
     (stats.rays, stats.spp) = (picture.rays, picture.spp);
     stats.seconds.total = start.elapsed().as_secs_f64();
     if let Some(path) = &args.stats {
-        std::fs::write(path, serde_json::to_string_pretty(&stats)? + "\n")
-            .with_context(|| path.display().to_string())?;
+        write_whole(path, (serde_json::to_string_pretty(&stats)? + "\n").as_bytes())?;
     }
     Ok(ExitCode::SUCCESS)
 }

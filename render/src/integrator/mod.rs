@@ -8,7 +8,7 @@ use crate::bsdf::Split;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
-use crate::world::World;
+use crate::world::{Queries, World};
 use core::ops::AddAssign;
 use glam::Vec3A;
 pub use path::PathTracer;
@@ -29,8 +29,6 @@ pub struct Radiance {
     pub normal: Vec3A,
     /// Distance to the first surface; 0 without surface.
     pub distance: f32,
-    /// Number of rays traced.
-    pub rays: u32,
 }
 
 impl Radiance {
@@ -43,7 +41,7 @@ impl Radiance {
     /// The same without what is not a finite number: nothing of a broken sample enters a picture.
     #[inline]
     pub fn finite(self) -> Self {
-        if self.sum().is_finite() { self } else { Self { rays: self.rays, ..Self::default() } }
+        if self.sum().is_finite() { self } else { Self::default() }
     }
 }
 
@@ -56,12 +54,11 @@ impl AddAssign for Radiance {
         self.albedo += other.albedo;
         self.normal += other.normal;
         self.distance += other.distance;
-        self.rays += other.rays;
     }
 }
 
 /// An estimator of incident radiance: right on average, whatever the sampler's seed.
 pub trait Integrator: Sync {
     /// Estimates the radiance that arrives at the origin of `ray` against its (unit) direction.
-    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance;
+    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Radiance;
 }

@@ -6,7 +6,7 @@ use crate::light::{Receiver, Target};
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
-use crate::world::{Interaction, World};
+use crate::world::{Interaction, Queries, World};
 use glam::Vec2;
 
 /// Unidirectional path tracing with next-event estimation, combined with the sampling of the BSDF by the power heuristic
@@ -61,7 +61,7 @@ impl Path {
 
 impl Integrator for PathTracer {
     #[inline(always)]
-    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance {
+    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Radiance {
         let mut path =
             Path { out: Radiance::default(), throughput: Rgb::ONE, diffuse_share: Rgb::ZERO, eta: 1.0, previous: None };
         let mut ray = ray;
@@ -69,8 +69,7 @@ impl Integrator for PathTracer {
         while segments < self.settings.max_depth {
             segments += 1;
             // Follow the ray, and add what it meets that shines.
-            let hit = world.intersect(&ray);
-            path.out.rays += 1;
+            let hit = queries.intersect(world, &ray);
             let hidden = segments == 1 && self.settings.hide_emitters;
             let counts = !hidden && (segments > 2 || !self.indirect_only);
             if !hit.exists() {
@@ -99,9 +98,9 @@ impl Integrator for PathTracer {
             }
             // Sample the lights.
             let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
-            let [choice, u_light, u_scattering, u_roulette] = sampler.next_4x2d();
+            let [choice, u_light, u_scattering, u_roulette] = sampler.next_4x2d(&mut queries.scrambles);
             if !bsdf.is_delta() && (segments > 1 || !self.indirect_only) {
-                sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, u_light, &mut path);
+                sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, u_light, &mut path, queries);
             }
             // Sample the scattering, and go on.
             let Some(sample) = bsdf.sample(choice.y, u_scattering) else { break };
@@ -179,6 +178,7 @@ fn sample_lights(
     choice: f32,
     u: Vec2,
     path: &mut Path,
+    queries: &mut Queries,
 ) {
     let Some(light) = world.lights.sample(&world.scene.textures, receiver, choice, u) else { return };
     let value = bsdf.eval(light.wi);
@@ -191,8 +191,7 @@ fn sample_lights(
         Target::Point(p) => at.spawn_to(p),
         Target::Direction(d) => at.spawn(d),
     };
-    path.out.rays += 1;
-    if world.occluded(&shadow) {
+    if queries.occluded(world, &shadow) {
         return;
     }
     if segments == 1 {

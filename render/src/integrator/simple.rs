@@ -5,7 +5,7 @@ use crate::light::{Receiver, Target};
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
-use crate::world::World;
+use crate::world::{Queries, World};
 
 /// Path tracing by the rendering equation alone: one light, all being equally likely, at every surface that is not
 /// perfectly specular; one direction from the BSDF; emitters met by chance count only where light sampling cannot find
@@ -17,14 +17,14 @@ pub struct SimplePathTracer {
 }
 
 impl Integrator for SimplePathTracer {
-    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler) -> Radiance {
+    fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Radiance {
         let (lights, textures) = (&world.lights, &world.scene.textures[..]);
         let (mut radiance, mut throughput) = (Rgb::ZERO, Rgb::ONE);
         let mut ray = ray;
         let mut specular = true;
         for depth in 1..=self.max_depth {
             // Intersect the ray with the scene; add the environment where it leaves.
-            let hit = world.intersect(&ray);
+            let hit = queries.intersect(world, &ray);
             if !hit.exists() {
                 if specular {
                     radiance += throughput * lights.environment(ray.direction);
@@ -59,7 +59,7 @@ impl Integrator for SimplePathTracer {
                     Target::Point(p) => at.spawn_to(p),
                     Target::Direction(d) => at.spawn(d),
                 };
-                if !world.occluded(&shadow) {
+                if !queries.occluded(world, &shadow) {
                     let f = bsdf.eval(light.wi).f.sum() * bsdf.abs_cos(light.wi);
                     radiance += throughput * f * light.radiance / light.pdf;
                 }

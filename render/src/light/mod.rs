@@ -235,7 +235,7 @@ impl Lights {
     }
 
     /// Radiance that emitter `emitter` sends from a point at `uv` to its front.
-    #[inline]
+    #[inline(always)]
     pub fn emitted(&self, textures: &[Texture], emitter: u32, uv: Vec2) -> Rgb {
         match &self.local[emitter as usize] {
             Local::Surface(surface) => surface.radiance.eval(textures, uv),
@@ -245,7 +245,7 @@ impl Lights {
 
     /// Density in sr⁻¹ with which [`Lights::sample`] chooses the direction to a point of `emitter` at distance
     /// `distance`, seen under the cosine `cos` from its normal.
-    #[inline]
+    #[inline(always)]
     pub fn pdf(&self, receiver: &Receiver, emitter: u32, distance: f32, cos: f32) -> f32 {
         let Local::Surface(surface) = &self.local[emitter as usize] else { return 0.0 };
         let share = if self.infinite_count() > 0 { self.infinite_probability() } else { 1.0 };
@@ -253,13 +253,13 @@ impl Lights {
     }
 
     /// Radiance from infinity in the unit direction `d`, directional lights aside.
-    #[inline]
+    #[inline(always)]
     pub fn environment(&self, d: Vec3A) -> Rgb {
         self.environment.as_ref().map_or(Rgb::ZERO, |(environment, _)| environment.radiance(d))
     }
 
     /// [`Lights::environment`], and the density in sr⁻¹ with which [`Lights::sample`] chooses the direction `d` to it.
-    #[inline]
+    #[inline(always)]
     pub fn environment_with_pdf(&self, receiver: &Receiver, d: Vec3A) -> (Rgb, f32) {
         let (radiance, density) = match &self.environment {
             None => return (Rgb::ZERO, 0.0),

@@ -1,6 +1,6 @@
 //! Shapes of one space under acceleration structures: triangles in one tree, spheres and instances in another.
 
-use crate::bvh::TriangleBvh;
+use crate::bvh::{Stack, TriangleBvh};
 use crate::ray::{Hit, Ray};
 use crate::sampler::toss;
 use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Shape, Sphere};
@@ -16,6 +16,17 @@ use std::time::Duration;
 pub(super) struct TriangleRef {
     pub shape: u32,
     pub index: u32,
+    /// Unit normal of the front; any without area.
+    pub normal: [f32; 3],
+    /// Largest coordinate.
+    pub extent: f32,
+}
+
+impl TriangleRef {
+    fn new(shape: u32, index: u32, [p0, p1, p2]: [Vec3A; 3]) -> Self {
+        let normal = (p1 - p0).cross(p2 - p0).normalize_or(Vec3A::Z).to_array();
+        Self { shape, index, normal, extent: p0.abs().max(p1.abs()).max(p2.abs()).max_element() }
+    }
 }
 
 /// What the second tree holds.
@@ -69,8 +80,11 @@ impl Aggregate {
             let shape = shape as u32;
             match &s.geometry {
                 Geometry::Mesh(m) => {
-                    triangles.extend((0..m.triangles.len() as u32).map(|index| TriangleRef { shape, index }));
-                    vertices.extend(m.triangles.iter().map(|t| t.map(|i| Vec3A::from(m.positions[i as usize]))));
+                    for (index, corners) in (0u32..).zip(&m.triangles) {
+                        let corners = corners.map(|i| Vec3A::from(m.positions[i as usize]));
+                        triangles.push(TriangleRef::new(shape, index, corners));
+                        vertices.push(corners);
+                    }
                 }
                 Geometry::Sphere(sphere) => {
                     objects.push(Object::Sphere { shape, sphere: *sphere });
@@ -103,35 +117,35 @@ impl Aggregate {
 
     /// Nearest intersection before `hit.t`, holes of masks aside.
     #[inline(always)]
-    pub fn intersect(&self, context: Context, ray: &Ray, hit: &mut Hit) {
+    pub fn intersect(&self, context: Context, stack: &mut Stack, ray: &Ray, hit: &mut Hit) {
         if self.masks.is_empty() {
-            self.bvh.intersect(ray, hit, |_, _, _| true);
+            self.bvh.intersect(stack, ray, hit, |_, _, _| true);
         } else {
-            self.bvh.intersect(ray, hit, |id, b1, b2| self.is_there(context, id, b1, b2));
+            self.bvh.intersect(stack, ray, hit, |id, b1, b2| self.is_there(context, id, b1, b2));
         }
         if self.object_bvh.is_some() {
-            self.intersect_objects(context, ray, hit);
+            self.intersect_objects(context, stack, ray, hit);
         }
     }
 
     /// Whether a surface lies within the ray's bounds.
     #[inline(always)]
-    pub fn occluded(&self, context: Context, ray: &Ray) -> bool {
+    pub fn occluded(&self, context: Context, stack: &mut Stack, ray: &Ray) -> bool {
         let by_triangle = if self.masks.is_empty() {
-            self.bvh.occluded(ray, |_, _, _| true)
+            self.bvh.occluded(stack, ray, |_, _, _| true)
         } else {
-            self.bvh.occluded(ray, |id, b1, b2| self.is_there(context, id, b1, b2))
+            self.bvh.occluded(stack, ray, |id, b1, b2| self.is_there(context, id, b1, b2))
         };
         by_triangle
             || (self.object_bvh.is_some() && {
                 let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
-                self.intersect_objects(context, ray, &mut hit);
+                self.intersect_objects(context, stack, ray, &mut hit);
                 hit.exists()
             })
     }
 
     #[inline(never)]
-    fn intersect_objects(&self, context: Context, ray: &Ray, hit: &mut Hit) {
+    fn intersect_objects(&self, context: Context, stack: &mut Stack, ray: &Ray, hit: &mut Hit) {
         let Some(bvh) = &self.object_bvh else { return };
         let mut scratch = obvhs::ray::RayHit::none();
         let start = obvhs::ray::Ray::new(ray.origin, ray.direction, ray.t_min, hit.t);
@@ -150,7 +164,7 @@ impl Aggregate {
                     let shapes = &context.scene.groups[group as usize].shapes;
                     let mut inner = Hit { t: hit.t, ..Hit::NONE };
                     let local = transform(&to_group, ray);
-                    context.groups[group as usize].intersect(Context { shapes, ..context }, &local, &mut inner);
+                    context.groups[group as usize].intersect(Context { shapes, ..context }, stack, &local, &mut inner);
                     if inner.exists() {
                         *hit = Hit { instance: index, ..inner };
                     }
@@ -162,7 +176,7 @@ impl Aggregate {
 
     /// Whether triangle `id` is opaque at a point: a coin of the right bias, thrown by the point itself.
     fn is_there(&self, context: Context, id: u32, b1: f32, b2: f32) -> bool {
-        let TriangleRef { shape, index } = self.triangles[id as usize];
+        let TriangleRef { shape, index, .. } = self.triangles[id as usize];
         let Some(opacity) = &self.masks[shape as usize] else { return true };
         let Geometry::Mesh(mesh) = &context.shapes[shape as usize].geometry else { return true };
         let uv = mesh.uv(index, b1, b2);

@@ -1,7 +1,7 @@
 //! The surface where a ray ends.
 
 use super::World;
-use super::aggregate::Object;
+use super::aggregate::{Object, TriangleRef};
 use crate::ray::{Hit, NO_INSTANCE, Ray};
 use crate::scene::{Geometry, MaterialId, Mesh, Shape, Sphere};
 use core::f32::consts::{PI, TAU};
@@ -69,7 +69,7 @@ impl World {
             Some(t) => {
                 let shape = &self.scene.shapes[t.shape as usize];
                 let emitter = self.first_emitter[t.shape as usize].map(|first| first.of_triangle(t.index));
-                self.on_triangle(shape, t.index, ray, hit, emitter)
+                self.on_triangle(shape, t, ray, hit, emitter)
             }
             None => {
                 let Object::Sphere { shape, sphere } =
@@ -95,7 +95,7 @@ impl World {
             ..*ray
         };
         let inner = match group.triangles.get(hit.primitive as usize) {
-            Some(t) => self.on_triangle(&shapes[t.shape as usize], t.index, &local, hit, None),
+            Some(t) => self.on_triangle(&shapes[t.shape as usize], t, &local, hit, None),
             None => {
                 let Object::Sphere { shape, sphere } = group.objects[hit.primitive as usize - group.triangles.len()]
                 else {
@@ -108,13 +108,19 @@ impl World {
     }
 
     #[inline(always)]
-    fn on_triangle(&self, shape: &Shape, index: u32, ray: &Ray, hit: &Hit, emitter: Option<u32>) -> Interaction {
+    fn on_triangle(
+        &self,
+        shape: &Shape,
+        triangle: &TriangleRef,
+        ray: &Ray,
+        hit: &Hit,
+        emitter: Option<u32>,
+    ) -> Interaction {
         let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!("triangles belong to meshes") };
-        let corners = mesh.triangles[index as usize].map(|i| i as usize);
+        let corners = mesh.triangles[triangle.index as usize].map(|i| i as usize);
         let [p0, p1, p2] = corners.map(|i| Vec3A::from(mesh.positions[i]));
         let b0 = 1.0 - hit.b1 - hit.b2;
-        let (e1, e2) = (p1 - p0, p2 - p0);
-        let normal = e1.cross(e2).normalize_or(-ray.direction);
+        let normal = Vec3A::from(triangle.normal);
         let shading_normal = if mesh.normals.is_empty() {
             normal
         } else {
@@ -122,7 +128,7 @@ impl World {
             (n0 * b0 + n1 * hit.b1 + n2 * hit.b2).try_normalize().unwrap_or(normal)
         };
         let [dpdu, dpdv] = if self.needs_tangents[shape.material.0 as usize] {
-            tangents(mesh, corners, e1, e2)
+            tangents(mesh, corners, p1 - p0, p2 - p0)
         } else {
             [Vec3A::ZERO; 2]
         };
@@ -132,11 +138,11 @@ impl World {
             shading_normal,
             dpdu,
             dpdv,
-            uv: mesh.uv(index, hit.b1, hit.b2),
+            uv: mesh.uv(triangle.index, hit.b1, hit.b2),
             wo: -ray.direction,
             material: shape.material,
             emitter,
-            offset: p0.abs().max(p1.abs()).max(p2.abs()).max_element() * OFFSET,
+            offset: triangle.extent * OFFSET,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod aggregate;
 mod interaction;
+mod queries;
 
 use crate::bsdf::CoatTable;
 use crate::light::{FirstEmitter, Lights};
@@ -10,6 +11,7 @@ use crate::scene::{Material, MaterialId, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
+pub use queries::Queries;
 
 /// A scene with everything derived from it.
 #[derive(Clone)]
@@ -64,15 +66,13 @@ impl World {
     /// The nearest surface within the bounds of the ray; the holes of masks are not there.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Hit {
-        let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
-        self.aggregate.intersect(self.context(), ray, &mut hit);
-        hit
+        Queries::default().intersect(self, ray)
     }
 
     /// Whether something lies within the bounds of the ray.
     #[inline(always)]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.aggregate.occluded(self.context(), ray)
+        Queries::default().occluded(self, ray)
     }
 
     #[inline]

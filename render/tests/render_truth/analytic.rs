@@ -7,14 +7,14 @@ use render::integrator::{Integrator, PathTracer, SimplePathTracer};
 use render::ray::Ray;
 use render::sampler::Sampler;
 use render::scene::*;
-use render::world::World;
+use render::world::{Queries, World};
 
 /// Mean and standard error of `n` independent estimates along one ray.
 fn estimate(world: &World, integrator: &impl Integrator, ray: Ray, n: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..n {
         let mut sampler = Sampler::new(42, (i, 0), 0);
-        let x = f64::from(integrator.radiance(world, ray, &mut sampler).sum().y);
+        let x = f64::from(integrator.radiance(world, ray, &mut sampler, &mut Queries::default()).sum().y);
         sum += x;
         squares += x * x;
     }

@@ -15,7 +15,7 @@ use crate::record::irradiance::{IrradianceRecord, Strata};
 use crate::record::{Cell, Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
-use crate::world::World;
+use crate::world::{Queries, World};
 use fearless_simd::Level;
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -341,7 +341,7 @@ impl<'a> Gather<'a> {
     ) -> T {
         let (seed, key, tracer, at) = (self.seed, self.key, self.tracer, &self.point.at);
         let facing = at.normal * 1f32.copysign(at.normal.dot(at.wo));
-        let mut rays = 0;
+        let mut queries = Queries::default();
         let level = Level::new();
         let out = with(&mut |number| Sampler::new(seed, key, number).next_2d(), &mut |direction, number| {
             // Below the surface of a smoothed mesh there is nothing to see.
@@ -354,10 +354,10 @@ impl<'a> Gather<'a> {
             widest(
                 level,
                 #[inline(always)]
-                || tracer.incident(at.spawn(direction), &mut sampler, &mut rays),
+                || tracer.incident(at.spawn(direction), &mut sampler, &mut queries),
             )
         });
-        self.rays += u64::from(rays);
+        self.rays += queries.rays;
         out
     }
 

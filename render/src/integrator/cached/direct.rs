@@ -4,7 +4,7 @@
 use crate::bsdf::{Bsdf, Split};
 use crate::light::{Lights, Receiver, Target};
 use crate::scene::Rgb;
-use crate::world::{Interaction, World};
+use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
 
 /// Weight of a sample of density `a` when density `b` could have found it too (Veach 1997).
@@ -28,9 +28,8 @@ pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
     Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() }
 }
 
-/// Light of one sampled emitter, reflected; traces one shadow ray, counted in `rays`. `lights` may be a part of the
-/// world's. `choice` and `u` choose the light and
-/// the place on it. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
+/// Light of one sampled emitter, reflected; traces one shadow ray. `lights` may be a part of the world's. `choice` and `u`
+/// choose the light and the place on it. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
 #[inline]
 #[allow(clippy::too_many_arguments)]
 pub fn sample_light(
@@ -41,7 +40,7 @@ pub fn sample_light(
     diffuse_alone: bool,
     choice: f32,
     u: Vec2,
-    rays: &mut u32,
+    queries: &mut Queries,
 ) -> Split {
     if bsdf.is_delta() {
         return Split::ZERO;
@@ -61,8 +60,7 @@ pub fn sample_light(
         Target::Point(p) => at.spawn_to(p),
         Target::Direction(d) => at.spawn(d),
     };
-    *rays += 1;
-    if world.occluded(&shadow) { Split::ZERO } else { reflected }
+    if queries.occluded(world, &shadow) { Split::ZERO } else { reflected }
 }
 
 /// Emission of a surface that a path meets, weighted.

@@ -8,7 +8,7 @@ use crate::record::eas::mean_radiance;
 use crate::record::irradiance::IrradianceRecord;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
-use crate::world::World;
+use crate::world::{Queries, World};
 use glam::Vec3A;
 
 /// Follows paths from records.
@@ -28,9 +28,9 @@ pub struct IncidentTracer<'a> {
 
 impl IncidentTracer<'_> {
     /// Light along a ray that is reflected at least once where the ray ends; what emitters send along the ray itself belongs
-    /// to direct light, and so does the environment but for the part that records hold. Adds the rays traced to `rays`.
+    /// to direct light, and so does the environment but for the part that records hold.
     #[inline(always)]
-    pub fn incident(&self, ray: Ray, sampler: &mut Sampler, rays: &mut u32) -> Incident {
+    pub fn incident(&self, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Incident {
         let world = self.world;
         let mut found = Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
         let (mut ray, mut throughput, mut eta) = (ray, Rgb::ONE, 1.0);
@@ -38,8 +38,7 @@ impl IncidentTracer<'_> {
         // Length of the path while nothing but mirrors turned it: what a mirror shows lies behind it.
         let mut straight = Some(0.0);
         for segment in 1..=self.max_segments {
-            let hit = world.intersect(&ray);
-            *rays += 1;
+            let hit = queries.intersect(world, &ray);
             if !hit.exists() {
                 if straight.is_some() {
                     found.distance = f32::INFINITY;
@@ -65,14 +64,14 @@ impl IncidentTracer<'_> {
                 break;
             }
             let bsdf = world.bsdf(&at);
-            let [choice, on_light, scattering, roulette] = sampler.next_4x2d();
+            let [choice, on_light, scattering, roulette] = sampler.next_4x2d(&mut queries.scrambles);
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
                 let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal())?;
                 Some((parts, irradiance))
             });
             found.radiance += throughput
-                * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, on_light, rays).sum();
+                * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, on_light, queries).sum();
             if let Some((parts, irradiance)) = cached {
                 found.radiance += throughput * parts.diffuse * mean_radiance(irradiance);
                 if parts.specular == Rgb::ZERO {

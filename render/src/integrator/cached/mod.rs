@@ -22,7 +22,7 @@ use crate::record::harmonics::HarmonicsRecord;
 use crate::record::{CutSettings, Scratch};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
-use crate::world::World;
+use crate::world::{Queries, World};
 pub use build::Builder;
 pub use caches::Caches;
 use fearless_simd::Level;
@@ -231,7 +231,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
     let width = window.width as usize;
     // Indirect light of a row: rays, and pixels where it is negative.
     let indirect_row = |y: usize, row: &mut [Pixel], surfaces: &[Vec<Surface>], scratch: &mut Scratch| {
-        let (mut rays, mut negative) = (0, 0);
+        let (mut queries, mut negative) = (Queries::default(), 0);
         each_pixel(
             (window.x, window.y + y as u32),
             row,
@@ -239,7 +239,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             #[inline(always)]
             |at, pixel, surfaces| {
                 let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
-                let indirect = shader.indirect(surfaces, &samplers, scratch, &mut rays);
+                let indirect = shader.indirect(surfaces, &samplers, scratch, &mut queries);
                 if indirect.sum().is_finite() {
                     pixel.sum.indirect = pixel.sum.indirect + indirect;
                     // Records may ring; a pixel never shines less than not at all.
@@ -250,7 +250,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                 }
             },
         );
-        (u64::from(rays), negative)
+        (queries.rays, negative)
     };
     let mut pace = match settings.budget {
         Budget::Time(limit) => Some(Pace::new(start + limit)),
@@ -272,7 +272,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             .zip(surfaces.par_chunks_mut(width))
             .enumerate()
             .map(|(y, (row, surfaces))| {
-                let mut rays = 0;
+                let mut queries = Queries::default();
                 each_pixel(
                     (window.x, window.y + y as u32),
                     row,
@@ -282,8 +282,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                         for index in spp..spp + pass {
                             let mut sampler = Sampler::new(settings.seed, at, index);
                             let ray = camera.ray(at.0, at.1, sampler.next_2d());
-                            let mut sample = shader.direct(ray, &mut sampler, surfaces).finite();
-                            rays += u64::from(core::mem::take(&mut sample.rays));
+                            let mut sample = shader.direct(ray, &mut sampler, surfaces, &mut queries).finite();
                             if sample.distance > 0.0 {
                                 sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
                                 pixel.surfaces += 1;
@@ -292,7 +291,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                         }
                     },
                 );
-                rays
+                queries.rays
             })
             .sum();
         rays += traced;

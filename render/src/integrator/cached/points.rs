@@ -7,7 +7,7 @@ use crate::ray::Ray;
 use crate::record::View;
 use crate::sampler::Sampler;
 use crate::scene::{MaterialId, Projection, Rgb};
-use crate::world::{Interaction, World};
+use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
 
 /// A surface seen directly or through perfectly specular ones.
@@ -59,13 +59,12 @@ pub fn see<'a>(
     ray: Ray,
     sampler: &mut Sampler,
     max_segments: u32,
-    rays: &mut u32,
+    queries: &mut Queries,
     mut emitted: impl FnMut(&Interaction, Rgb, u32),
 ) -> Seen<'a> {
     let (mut ray, mut throughput, mut length) = (ray, Rgb::ONE, 0.0);
     for segments in 1..=max_segments {
-        let hit = world.intersect(&ray);
-        *rays += 1;
+        let hit = queries.intersect(world, &ray);
         if !hit.exists() {
             return Seen::Nothing { direction: ray.direction, throughput, segments };
         }
@@ -119,7 +118,7 @@ impl PixelCone {
 pub fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), seed: u64, max: u32) -> Option<Point> {
     let mut sampler = Sampler::new(seed, pixel, 0);
     let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
-    match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut 0, |_, _, _| ()) {
+    match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut Queries::default(), |_, _, _| ()) {
         Seen::Surface { point, .. } => Some(point),
         _ => None,
     }

@@ -15,7 +15,7 @@ use crate::record::eas::mean_radiance;
 use crate::record::{Receiver, Reflected, Reflector, Scratch, reflect};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
-use crate::world::World;
+use crate::world::{Queries, World};
 use glam::{Vec2, Vec3A};
 
 /// Shades with filled caches, which it only reads.
@@ -86,28 +86,33 @@ const MIN_TRACED: f32 = 8.0;
 impl Shader<'_> {
     /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`].
     #[inline(always)]
-    pub fn direct(&self, ray: Ray, sampler: &mut Sampler, surfaces: &mut Vec<Surface>) -> Radiance {
+    pub fn direct(
+        &self,
+        ray: Ray,
+        sampler: &mut Sampler,
+        surfaces: &mut Vec<Surface>,
+        queries: &mut Queries,
+    ) -> Radiance {
         let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
         let mut first = None;
-        let seen =
-            see(world, &self.cone, ray, sampler, settings.max_depth, &mut out.rays, |at, throughput, segments| {
-                let light = emission(world, &world.lights, at, None) * throughput;
-                match segments {
-                    1 => {
-                        first = Some((
-                            at.p,
-                            at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)),
-                            world.bsdf(at).albedo(),
-                        ));
-                        if !settings.hide_emitters {
-                            emitted += light;
-                        }
+        let seen = see(world, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
+            let light = emission(world, &world.lights, at, None) * throughput;
+            match segments {
+                1 => {
+                    first = Some((
+                        at.p,
+                        at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)),
+                        world.bsdf(at).albedo(),
+                    ));
+                    if !settings.hide_emitters {
+                        emitted += light;
                     }
-                    _ => through_mirrors += light,
                 }
-            });
+                _ => through_mirrors += light,
+            }
+        });
         if let Some((p, normal, albedo)) = first {
             out.distance = (p - ray.origin).length();
             (out.normal, out.albedo) = (normal, albedo);
@@ -129,21 +134,20 @@ impl Shader<'_> {
         if point.segments >= settings.max_depth {
             return out;
         }
-        let [choice, on_light, scattering, _] = sampler.next_4x2d();
+        let [choice, on_light, scattering, _] = sampler.next_4x2d(&mut queries.scrambles);
         let counts = !self.indirect_only || point.segments > 1;
         if counts {
             // Records hold a part of the lights already.
             let treatment = self.policy.treatment(point.material.0);
             let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
-            let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, on_light, &mut out.rays);
-            direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, &mut out.rays);
+            let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, on_light, queries);
+            direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, queries);
             let direct = direct * point.throughput;
             if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
         }
         match self.policy.treatment(point.material.0) {
             Treatment::Traced => {
-                out.indirect =
-                    out.indirect + self.traced(&point, &bsdf, None, choice.y, scattering, sampler, &mut out.rays)
+                out.indirect = out.indirect + self.traced(&point, &bsdf, None, choice.y, scattering, sampler, queries)
             }
             _ => note(&point, &bsdf, surfaces),
         }
@@ -159,13 +163,12 @@ impl Shader<'_> {
         bsdf: &Bsdf,
         choice: f32,
         u: Vec2,
-        rays: &mut u32,
+        queries: &mut Queries,
     ) -> Split {
         let Some(sample) = bsdf.sample(choice, u) else { return Split::ZERO };
         let left = Left { receiver: receiver(&point.at, bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) };
         let ray = point.at.spawn(sample.wi);
-        let hit = self.world.intersect(&ray);
-        *rays += 1;
+        let hit = queries.intersect(self.world, &ray);
         let light = if hit.exists() {
             emission(self.world, lights, &self.world.interaction(&ray, &hit), Some(&left))
         } else {
@@ -185,7 +188,7 @@ impl Shader<'_> {
         choice: f32,
         u: Vec2,
         sampler: &mut Sampler,
-        rays: &mut u32,
+        queries: &mut Queries,
     ) -> Split {
         let settings = &self.world.scene.integrator;
         let Some(max_segments) =
@@ -201,7 +204,7 @@ impl Shader<'_> {
             max_segments,
             rr_depth: settings.rr_depth.saturating_sub(1).max(1),
         };
-        let light = tracer.incident(point.at.spawn(sample.wi), sampler, rays);
+        let light = tracer.incident(point.at.spawn(sample.wi), sampler, queries);
         sample.weight * (light.radiance * point.throughput)
     }
 
@@ -212,15 +215,21 @@ impl Shader<'_> {
         surfaces: &[Surface],
         samplers: &impl Fn(u32) -> Sampler,
         scratch: &mut Scratch,
-        rays: &mut u32,
+        queries: &mut Queries,
     ) -> Split {
         let depth = self.world.scene.integrator.max_depth;
         let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth + u32::from(self.split.held.is_some()));
-        seen.map(|s| self.surface(s, samplers, scratch, rays)).fold(Split::ZERO, |a, b| a + b)
+        seen.map(|s| self.surface(s, samplers, scratch, queries)).fold(Split::ZERO, |a, b| a + b)
     }
 
     #[inline(always)]
-    fn surface(&self, s: &Surface, samplers: &impl Fn(u32) -> Sampler, scratch: &mut Scratch, rays: &mut u32) -> Split {
+    fn surface(
+        &self,
+        s: &Surface,
+        samplers: &impl Fn(u32) -> Sampler,
+        scratch: &mut Scratch,
+        queries: &mut Queries,
+    ) -> Split {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
@@ -255,7 +264,7 @@ impl Shader<'_> {
                 let sum = (0..count).fold(Split::ZERO, |sum, path| {
                     let mut sampler = samplers(path);
                     let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-                    sum + self.traced(&s.point, &bsdf, held, choice, u, &mut sampler, rays)
+                    sum + self.traced(&s.point, &bsdf, held, choice, u, &mut sampler, queries)
                 });
                 sum * (s.samples / count as f32)
             }
