@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 pub(super) const MAX_SIZE: u32 = 1 << 15;
 
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
-const EXR_SECONDS: f64 = 1e-6;
+const EXR_SECONDS: f64 = 1.6e-6;
 const PNG_SECONDS: f64 = 1e-7;
 
 /// Arguments of `render image`.

@@ -5,8 +5,7 @@ use crate::film::{Picture, Pixel};
 use crate::scene::Rgb;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
-    LineOrder, SmallVec, WritableImage,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, SmallVec, WritableImage,
 };
 use rayon::prelude::*;
 use std::io::{Cursor, Write};
@@ -90,10 +89,6 @@ type ColorLayer = (&'static str, fn(&Pixel) -> Rgb);
 /// What a channel holds of a pixel.
 type PixelValue<'a> = Box<dyn Fn(&Pixel) -> f32 + Sync + 'a>;
 
-/// PIZ takes a fraction of the time of ZIP on noisy numbers, and no more room.
-const ENCODING: Encoding =
-    Encoding { compression: Compression::PIZ, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-
 /// Layers of the EXR: the light by its way, and what the first surface is.
 fn exr_bytes(path: &Path, picture: &Picture) -> Result<Vec<u8>, ImageError> {
     let scale = 1.0 / picture.spp.max(1) as f32;
@@ -132,7 +127,7 @@ fn exr_bytes(path: &Path, picture: &Picture) -> Result<Vec<u8>, ImageError> {
     // One attribute of our own: the order of several would change from run to run.
     attributes.other.insert(SPP.into(), AttributeValue::I32(picture.spp as i32));
     let size = (picture.width as usize, picture.height as usize);
-    let layer = Layer::new(size, attributes, ENCODING, AnyChannels::sort(channels));
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut out = Cursor::new(Vec::new());
     ExrImage::from_layer(layer).write().to_buffered(&mut out).map_err(|e| content(path, e))?;
     Ok(out.into_inner())
