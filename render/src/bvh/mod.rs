@@ -5,10 +5,11 @@
 //! watertight: a ray cannot slip between two triangles that share an edge.
 
 mod build;
+mod stack;
 mod traverse;
 
 pub use build::TriangleBvh;
-pub use traverse::Stack;
+pub use stack::Stack;
 
 /// Children of a node and triangles of a leaf: the lanes of one vector operation.
 const WIDTH: usize = 8;

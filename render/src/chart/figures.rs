@@ -84,8 +84,8 @@ const KINDS: [Kind; 4] = [
         runs: Runs::Sizes,
         caption: "Error against the number of EAS, or the order of the harmonics, the same for all records of a run, the \
                   rest at one τ: eas-2015, Fig. 12 (right), in whose Fig. 7 too the error falls with the number of \
-                  EAS; the command “render probe” draws that one for a single record. What is left on the right is the noise of direct \
-                  light and of the records.",
+                  EAS; the command “render probe” draws that one for a single record. What is left on the right is \
+                  the noise of direct light and of the records.",
     },
     Kind {
         name: "records-time",
