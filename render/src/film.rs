@@ -117,7 +117,8 @@ pub fn render<I: Integrator>(
     }
 }
 
-/// Runs `f`, compiled for AVX2 where the machine has it: scalar code gains from its encodings and fused operations.
+/// Runs `f`, compiled for AVX2 where the machine has it: scalar code gains from its encodings. Nothing is fused that is not
+/// written so, so pictures do not depend on it.
 #[inline(always)]
 pub(crate) fn widest<T>(level: Level, f: impl FnOnce() -> T) -> T {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
