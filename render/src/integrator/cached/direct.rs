@@ -29,7 +29,8 @@ pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
 }
 
 /// Light of one sampled emitter, reflected; traces one shadow ray. `lights` may be a part of the world's. `choice` and `u`
-/// choose the light and the place on it. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
+/// choose the light and the place on it. With `diffuse_alone` no BSDF sample will look for the light that the Lambertian part
+/// reflects.
 #[inline]
 #[allow(clippy::too_many_arguments)]
 pub fn sample_light(
