@@ -5,7 +5,8 @@ use crate::brdf::Formula;
 use crate::real::Real;
 
 /// ∫ f_r cosθi and ∫ cosθi over the cap by a rule of rings, both over its solid angle; arguments as of
-/// [`super::numerator`], but in a frame where the formula holds. Nodes below the horizon count for nothing: caps that cross it deeply need a product rule.
+/// [`super::numerator`], but in a frame where the formula holds. Nodes below the horizon count for nothing: caps that cross it
+/// deeply need a product rule.
 #[inline(always)]
 pub fn disc<T: Real, F: Formula>(formula: &F, wo: [T; 3], axis: [T; 3], height: T, rings: &[Ring<T::Lanes>]) -> (T, T) {
     let (zero, one, two) = (height.lit(0.0), height.lit(1.0), height.lit(2.0));

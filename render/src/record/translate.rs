@@ -133,7 +133,7 @@ pub fn reflect(
     let mut trusted = 1.0;
     if estimator == Estimator::Improved {
         // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
-        // meet in one direction: what they would reflect of light that is 1 everywhere must stay near the albedo.
+        // meet in one direction: what they would reflect of light that is 1 everywhere, against the albedo, tells.
         let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
         let reflected = albedo.at(at.wo);
         let cover = if reflected > 0.0 { unit / reflected } else { 1.0 };
