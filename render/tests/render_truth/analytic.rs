@@ -27,6 +27,8 @@ fn check(name: &str, scene: Scene, ray: Ray, exact: f64, twin: bool) {
     let world = World::new(scene).unwrap();
     let tracer = PathTracer { settings, indirect_only: false };
     let (mean, error) = estimate(&world, &tracer, ray, 100_000);
+    println!("{name}: {mean:.6} ± {error:.6}, exactly {exact:.6}");
+    // The rest is the rounding of sums in f32.
     assert!((mean - exact).abs() <= 3.0 * error + 1e-4 * exact, "{name}: {mean} ± {error}, exactly {exact}");
     if twin {
         let simple = SimplePathTracer { max_depth: 60 };
