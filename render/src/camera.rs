@@ -85,7 +85,7 @@ impl RayGenerator {
             to_world: camera.to_world,
             parallel,
             half: Vec2::new(half_width, half_width * size.y / size.x),
-            center: 0.5 + camera.principal_point,
+            center: 0.5 - camera.principal_point,
             inverse_size: size.recip(),
             clip: (camera.near, camera.far),
             offset: Offset::new(camera.film.filter),

@@ -6,14 +6,20 @@
 //! - `materials`: scattering models, textures, emitters
 //! - `meshes`: every mesh format, good, damaged and hostile
 //! - `images`: every image format, good, damaged and hostile
+//! - `files`: missing files, their names and encodings
 //! - `gltf`: glTF, good, damaged and hostile
+//! - `gltf_variety`: glTF as others write it
 //! - `own`: the project's own scenes in `tests/scenes`
 //! - `shared`: real scenes of the optional folder `../shared/scenes`
 
 #[path = "scenes_load/camera.rs"]
 mod camera;
+#[path = "scenes_load/files.rs"]
+mod files;
 #[path = "scenes_load/gltf.rs"]
 mod gltf;
+#[path = "scenes_load/gltf_variety.rs"]
+mod gltf_variety;
 #[path = "scenes_load/images.rs"]
 mod images;
 #[path = "scenes_load/materials.rs"]
@@ -56,9 +62,13 @@ impl Folder {
 
     /// Loads a file; the folder is taken off error messages, which must be one line.
     fn load(&self, name: &str, defines: &[(&str, &str)]) -> Loaded {
-        let defines: Vec<_> = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
+        let defines = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
+        self.load_with(name, &load::Options { defines, ..load::Options::default() })
+    }
+
+    fn load_with(&self, name: &str, options: &load::Options) -> Loaded {
         let folder = format!("{}/", self.0.path().display());
-        let loaded = load::load(&self.path(name), &defines).map_err(|e| e.to_string().replace(&folder, ""));
+        let loaded = load::load(&self.path(name), options).map_err(|e| e.to_string().replace(&folder, ""));
         loaded.as_ref().map_err(|e| assert!(!e.contains('\n'), "{e}")).ok();
         loaded.map(|(scene, warnings)| (scene, warnings.into_iter().map(|w| w.replace(&folder, "")).collect()))
     }

@@ -52,13 +52,32 @@ impl RoughMetal {
     }
 }
 
-/// The material of glTF 2.0, appendix B: GGX with Schlick's F over a Lambertian base that metal lacks.
+/// Schlick's reflectance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Schlick {
+    /// At normal incidence.
+    pub f0: Rgb,
+    /// At grazing incidence.
+    pub f90: f32,
+}
+
+impl Schlick {
+    #[inline]
+    fn at(&self, cos: f32) -> Rgb {
+        self.f0 + (Rgb::splat(self.f90) - self.f0) * (1.0 - cos).max(0.0).powi(5)
+    }
+}
+
+/// The material of glTF 2.0, appendix B: GGX with Schlick's F over a Lambertian base that metal lacks. The base gets
+/// what the largest channel of the dielectric's F leaves (KHR_materials_specular).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughness {
     pub base_color: Rgb,
     pub facets: Facets,
-    /// Reflectance at normal incidence.
-    pub f0: Rgb,
+    /// Reflectance of the dielectric.
+    pub dielectric: Schlick,
+    /// Reflectance of the mixture of dielectric and metal.
+    pub mixture: Schlick,
     /// Albedo of the base.
     pub diffuse: Rgb,
     /// Probability of sampling the base.
@@ -66,20 +85,21 @@ pub(crate) struct MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    pub fn new(base_color: Rgb, metallic: f32, facets: Facets, f0: f32, cos: f32) -> Self {
+    pub fn new(base_color: Rgb, metallic: f32, facets: Facets, dielectric: Schlick, cos: f32) -> Self {
         let metallic = metallic.clamp(0.0, 1.0);
-        let f0 = Rgb::splat(f0).lerp(base_color, metallic);
+        let f90 = dielectric.f90 + (1.0 - dielectric.f90) * metallic;
+        let mixture = Schlick { f0: dielectric.f0.lerp(base_color, metallic), f90 };
         let diffuse = base_color * (1.0 - metallic);
-        let reflected = super::mean(schlick(f0, cos.abs()));
+        let reflected = super::mean(mixture.at(cos.abs()));
         let p_diffuse = super::share(super::mean(diffuse) * (1.0 - reflected), reflected).clamp(0.0, 0.95);
-        Self { base_color, facets, f0, diffuse, p_diffuse }
+        Self { base_color, facets, dielectric, mixture, diffuse, p_diffuse }
     }
 
     #[inline]
     pub fn value(&self, wo: Vec3A, wi: Vec3A) -> Value {
-        let f = schlick(self.f0, (0.5 * (wo + wi).length()).min(1.0));
-        let glossy = f * self.facets.reflection(wo, wi);
-        let diffuse = (Rgb::ONE - f) * self.diffuse * FRAC_1_PI;
+        let cos = (0.5 * (wo + wi).length()).min(1.0);
+        let glossy = self.mixture.at(cos) * self.facets.reflection(wo, wi);
+        let diffuse = (1.0 - self.dielectric.at(cos).max_element()) * self.diffuse * FRAC_1_PI;
         let pdf = self.p_diffuse * wi.z * FRAC_1_PI + (1.0 - self.p_diffuse) * self.facets.reflection_pdf(wo, wi);
         Value { f: Split { diffuse, glossy }, pdf }
     }
@@ -91,9 +111,4 @@ impl MetallicRoughness {
         }
         self.facets.sample_reflection(wo, u).map(Scatter::Direction)
     }
-}
-
-#[inline]
-fn schlick(f0: Rgb, cos: f32) -> Rgb {
-    f0 + (Rgb::ONE - f0) * (1.0 - cos).max(0.0).powi(5)
 }

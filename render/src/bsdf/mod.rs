@@ -23,7 +23,7 @@ pub(crate) use dielectric::{Dielectric, ThinDielectric};
 pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
 pub(crate) use glossy::{Glossy, Lobe};
-pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal};
+pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
 
 /// A quantity of the diffuse part of a material beside that of the rest.

@@ -2,7 +2,7 @@
 
 use super::{
     Bsdf, Dielectric, Facets, Glossy, Lobe, MetallicRoughness, Mirror, Model, RoughCoat, RoughDielectric, RoughMetal,
-    SmoothCoat, ThinDielectric,
+    Schlick, SmoothCoat, ThinDielectric,
 };
 use crate::frame::Frame;
 use crate::scene::{Bitmap, Material, MaterialId, Texture, TextureId, WardVariant};
@@ -127,12 +127,13 @@ impl World {
                     table,
                 }),
             },
-            Material::MetallicRoughness { base_color, metallic, roughness, f0 } => {
+            Material::MetallicRoughness { base_color, metallic, roughness, f0, f90 } => {
                 let roughness = roughness.eval(textures, uv).clamp(0.0, 1.0);
                 let facets = Facets::new(crate::scene::Distribution::Ggx, Vec2::splat(roughness * roughness));
                 let color = base_color.eval(textures, uv);
                 let metallic = metallic.eval(textures, uv);
-                Model::MetallicRoughness(MetallicRoughness::new(color, metallic, facets, *f0, wo.z))
+                let dielectric = Schlick { f0: *f0, f90: *f90 };
+                Model::MetallicRoughness(MetallicRoughness::new(color, metallic, facets, dielectric, wo.z))
             }
             Material::TwoSided { .. }
             | Material::Mask { .. }

@@ -64,7 +64,13 @@ fn materials() -> Vec<(&'static str, Material, f64)> {
         ("rough plastic beckmann", plastic(Beckmann, 0.2), 1.0),
         (
             "gltf",
-            Material::MetallicRoughness { base_color: c(0.8), metallic: f(0.3), roughness: f(0.5), f0: 0.04 },
+            Material::MetallicRoughness {
+                base_color: c(0.8),
+                metallic: f(0.3),
+                roughness: f(0.5),
+                f0: Vec3A::splat(0.04),
+                f90: 1.0,
+            },
             1.0,
         ),
     ]

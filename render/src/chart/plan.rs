@@ -2,6 +2,7 @@
 
 use super::method::{Engine, Method, Size};
 use super::setting::Setting;
+use render::scene::load::Options;
 use std::path::PathBuf;
 
 /// Runs whose records have one size take the τ nearest to this: fine enough that the size shows, and soon done.
@@ -47,8 +48,8 @@ pub struct Plan {
     pub stability: bool,
     /// Width of the film.
     pub width: Option<u32>,
-    /// Parameters of the scenes.
-    pub defines: Vec<(String, String)>,
+    /// How scenes are loaded: their parameters, and what may be missing.
+    pub load: Options,
     /// Folder of tables.
     pub tables: PathBuf,
     /// Seed.

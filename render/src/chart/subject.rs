@@ -48,7 +48,7 @@ pub fn name(path: &Path) -> String {
 /// # Errors
 /// A scene that cannot be loaded.
 pub fn load_scene(plan: &Plan, path: &Path, reference: Option<&PathBuf>) -> Result<Loaded> {
-    let (mut scene, warnings) = load::load(path, &plan.defines)?;
+    let (mut scene, warnings) = load::load(path, &plan.load)?;
     warnings.iter().for_each(|warning| eprintln!("render: warning: {warning}"));
     crate::cli::resize(&mut scene.camera, plan.width, None);
     let digest = digest(&scene, plan.indirect_only);

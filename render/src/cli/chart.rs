@@ -7,6 +7,7 @@ use crate::chart::setting::{parse_tau, parse_time};
 use anyhow::{Context, Result, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use render::record::harmonics::MAX_ORDER;
+use render::scene::load::Options;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -74,6 +75,9 @@ pub struct Args {
     /// Set a parameter of the scene files.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     define: Vec<(String, String)>,
+    /// Draw what is there where mesh or texture files are missing.
+    #[arg(long)]
+    skip_missing: bool,
     /// Folder of fitted tables; what is missing is fitted and kept there.
     #[arg(long, value_name = "DIR", default_value = "tables")]
     tables: PathBuf,
@@ -154,7 +158,7 @@ fn plan(args: Args) -> Result<Plan> {
         spp: args.spp,
         stability,
         width: args.width.or(stability.then_some(64)),
-        defines: args.define,
+        load: Options { defines: args.define, skip_missing: args.skip_missing },
         tables: args.tables,
         seed: args.seed,
         indirect_only: args.indirect_only,

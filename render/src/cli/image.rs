@@ -91,6 +91,9 @@ pub struct Args {
     /// Set a parameter of the scene file.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     define: Vec<(String, String)>,
+    /// Draw what is there where mesh or texture files are missing.
+    #[arg(long)]
+    skip_missing: bool,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
@@ -279,7 +282,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         }
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
-    let (mut scene, warnings) = load::load(&args.scene, &args.define)?;
+    let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
+    let (mut scene, warnings) = load::load(&args.scene, &options)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }

@@ -63,6 +63,9 @@ pub struct Args {
     /// Set a parameter of the scene file.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     define: Vec<(String, String)>,
+    /// Draw what is there where mesh or texture files are missing.
+    #[arg(long)]
+    skip_missing: bool,
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
@@ -73,7 +76,8 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 /// Gathers, measures, writes.
 pub fn run(args: &Args) -> Result<ExitCode> {
     ensure!((0.0005..=1.0).contains(&args.tau), "--tau needs a number from 0.0005 to 1");
-    let (mut scene, warnings) = load::load(&args.scene, &args.define)?;
+    let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
+    let (mut scene, warnings) = load::load(&args.scene, &options)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }

@@ -14,7 +14,9 @@ pub struct Camera {
     pub near: f32,
     /// Depth along the axis behind which nothing is seen.
     pub far: f32,
-    /// Shift of the optical axis as a fraction of the film's width and height, right and down positive.
+    /// Shift of the film against the optical axis as a fraction of the whole film's width and height, right and down
+    /// positive: what lies on the axis appears that much to the left of, and above, the middle of the film (as in
+    /// Mitsuba 3).
     pub principal_point: Vec2,
     /// Pixels and filter.
     pub film: Film,

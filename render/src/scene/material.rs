@@ -1,6 +1,6 @@
 //! How surfaces scatter light: Mitsuba's plugins, with its semantics (one-sided unless transmissive or `TwoSided`).
 
-use super::{ColorTexture, FloatTexture, TextureId};
+use super::{ColorTexture, FloatTexture, Rgb, TextureId};
 
 /// Index into [`super::Scene::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -148,8 +148,10 @@ pub enum Material {
         metallic: FloatTexture,
         /// Perceptual roughness in [0, 1].
         roughness: FloatTexture,
-        /// Reflectance at normal incidence of the dielectric part (0.04 for an index of 1.5).
-        f0: f32,
+        /// Reflectance of the dielectric part at normal incidence (0.04 for an index of 1.5).
+        f0: Rgb,
+        /// The same at grazing incidence (1 but for KHR_materials_specular).
+        f90: f32,
     },
     /// Reflects on both sides: `front` on the side of the normal, `back` on the other (often the same).
     TwoSided {

@@ -64,8 +64,9 @@ pub fn gathered(
 
 /// A scene of this project at a small size.
 pub fn world(scene: &str, defines: &[(&str, &str)]) -> World {
-    let defines: Vec<(String, String)> = defines.iter().map(|(n, v)| ((*n).into(), (*v).into())).collect();
-    let (scene, _) = load::load(&scenes().join(scene), &defines).expect("the project's scenes load");
+    let defines = defines.iter().map(|(n, v)| ((*n).into(), (*v).into())).collect();
+    let options = load::Options { defines, ..load::Options::default() };
+    let (scene, _) = load::load(&scenes().join(scene), &options).expect("the project's scenes load");
     World::new(scene).expect("the project's scenes are valid")
 }
 

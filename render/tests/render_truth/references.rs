@@ -23,7 +23,7 @@ fn agrees(scene: &str, spp: u32, largest_bias: f64) {
         return;
     };
     let reference = read(&reference).unwrap();
-    let (scene, _) = load::load(&file, &[]).unwrap();
+    let (scene, _) = load::load(&file, &load::Options::default()).unwrap();
     let tracer = PathTracer { settings: scene.integrator, indirect_only: false };
     let world = World::new(scene).unwrap();
     let picture = render(&world, &tracer, Budget::Samples(spp), 5, &|_| ()).image();

@@ -49,6 +49,33 @@ fn every_axis_of_the_field_of_view() {
     assert!(opening(&tele) < 0.55 * normal.to_radians());
 }
 
+/// What Mitsuba 3.9 shows in each case: columns of 64 and rows of 40 that a square of 2 × 2 before the camera fills.
+#[test]
+fn principal_points_move_the_picture_as_in_mitsuba() {
+    let film = "<film type='hdrfilm'><integer name='width' value='64'/><integer name='height' value='40'/></film>";
+    let edges = |kind: &str, parameters: &str, operations: &str| {
+        let text = format!(
+            "<scene version='3.0.0'><sensor type='{kind}'>{film}{parameters}<transform name='to_world'>{operations}
+             <lookat origin='0 0 4' target='0 0 0' up='0 1 0'/></transform></sensor></scene>"
+        );
+        let camera = Folder::new().with("s.xml", text).load("s.xml", &[]).unwrap().0.camera;
+        let rays = render::camera::RayGenerator::new(&camera);
+        let corners = [(-0.8, 1.1), (1.2, -0.9)].map(|(x, y)| rays.project(glam::Vec3A::new(x, y, 0.0)).unwrap());
+        let [(a, top), (b, bottom)] = corners;
+        [a.min(b), a.max(b), top, bottom].map(|e| e.round() as i32)
+    };
+    let fov = "<float name='fov' value='50'/>";
+    let shift = "<float name='principal_point_offset_x' value='0.2'/>
+        <float name='principal_point_offset_y' value='-0.1'/>";
+    let both = format!("{fov}{shift}");
+    assert_eq!(edges("perspective", fov, ""), [18, 53, 1, 35]);
+    assert_eq!(edges("perspective", &both, ""), [5, 40, 5, 39]);
+    assert_eq!(edges("perspective", &both, "<scale x='-1'/>"), [-1, 33, 5, 39]);
+    // An orthographic sensor, which in Mitsuba has no principal point, moves the same way.
+    assert_eq!(edges("orthographic", "", "<scale x='2' y='2'/>"), [19, 51, 2, 34]);
+    assert_eq!(edges("orthographic", shift, "<scale x='2' y='2'/>"), [6, 38, 6, 38]);
+}
+
 #[test]
 fn film_crop_and_filter() {
     let film = "<film type='hdrfilm'><integer name='width' value='100'/><integer name='height' value='50'/>

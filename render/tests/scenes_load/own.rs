@@ -14,8 +14,9 @@ fn folder() -> PathBuf {
 }
 
 fn own(name: &str, defines: &[(&str, &str)]) -> Scene {
-    let defines: Vec<_> = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
-    let (scene, warnings) = load::load(&folder().join(name), &defines).unwrap_or_else(|e| panic!("{e}"));
+    let defines = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
+    let options = load::Options { defines, ..load::Options::default() };
+    let (scene, warnings) = load::load(&folder().join(name), &options).unwrap_or_else(|e| panic!("{e}"));
     assert!(warnings.is_empty(), "{name}: {warnings:#?}");
     scene
 }

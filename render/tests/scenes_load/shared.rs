@@ -12,7 +12,7 @@ fn load_shared(name: &str) -> Option<(Scene, Vec<String>)> {
         return None;
     }
     let start = Instant::now();
-    let loaded = load::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let loaded = load::load(&path, &load::Options::default()).unwrap_or_else(|e| panic!("{e}"));
     println!("{name}: {:.3} s", start.elapsed().as_secs_f64());
     Some(loaded)
 }

@@ -51,6 +51,42 @@ fn spectra_become_rgb() {
     assert!(warm.x > 1.5 * warm.y && warm.y > 1.5 * warm.z, "{warm}");
 }
 
+/// As Mitsuba 3.9 draws them in its spectral mode.
+#[test]
+fn spectra_that_are_plugins() {
+    let flat = "<string name='wavelengths' value='300, 900'/><string name='values' value='1 1'/>";
+    let e = [1.2048, 0.9483, 0.9089];
+    near(radiance("3.0.0", &format!("<spectrum type='irregular' name='radiance'>{flat}</spectrum>")), e);
+    let regular = "<float name='wavelength_min' value='300'/><float name='wavelength_max' value='900'/>
+        <string name='values' value='1 1 1'/>";
+    near(radiance("3.0.0", &format!("<spectrum type='regular' name='radiance'>{regular}</spectrum>")), e);
+    let warm = radiance(
+        "3.0.0",
+        "<spectrum type='blackbody' name='radiance'><float name='temperature' value='5000'/></spectrum>",
+    );
+    assert!((warm / Vec3A::new(15280.6, 12094.7, 9591.1) - 1.0).abs().max_element() < 1e-2, "{warm}");
+    near(
+        radiance("3.0.0", "<texture type='d65' name='radiance'><rgb name='color' value='1 .5 .25'/></texture>"),
+        [1.0, 0.5, 0.25],
+    );
+    near(reflected(&format!("<spectrum type='irregular' name='reflectance'>{flat}</spectrum>")), [1.0; 3]);
+    for (wrong, what) in [
+        (
+            "irregular'><string name='wavelengths' value='1 2'/><string name='values' value='1'/>",
+            "2 wavelengths, but 1",
+        ),
+        ("irregular'><string name='wavelengths' value='2 1'/><string name='values' value='1 1'/>", "must increase"),
+        ("irregular'><string name='wavelengths' value=''/><string name='values' value=''/>", "must increase"),
+        ("regular'><string name='values' value='1'/>", "2 to 65536 values"),
+        ("blackbody'>", "above 0 K"),
+    ] {
+        let e = error(&format!(
+            "<shape type='sphere'><bsdf type='diffuse'><spectrum name='reflectance' type='{wrong}</spectrum></bsdf></shape>"
+        ));
+        assert!(e.contains(what), "{e}");
+    }
+}
+
 #[test]
 fn spectra_from_files() {
     let body =

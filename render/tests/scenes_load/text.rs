@@ -37,6 +37,37 @@ fn defaults_yield_to_the_caller_and_to_earlier_ones() {
     assert_eq!(warnings, ["-D wdith: the scene has no such parameter"]);
 }
 
+/// As Mitsuba puts parameters in: the longest name that is known, wherever it stands.
+#[test]
+fn parameters_stand_anywhere_in_a_value() {
+    let body = "<default name='n' value='1'/><default name='na' value='2'/><default name='nab' value='3'/>
+        <default name='a-b.c' value='4'/><default name='none' value=''/>";
+    for (value, expected) in [
+        ("$n$na", 12.0),
+        ("$nax1", 0.0),
+        ("$nab$n$none", 31.0),
+        ("$na5", 25.0),
+        ("$no", 0.0),
+        ("0.$n$n", 0.11),
+        ("$n.5", 1.5),
+        ("$a-b.c", 4.0),
+        ("-$n", -1.0),
+        ("$n${n}", 0.0),
+    ] {
+        let light = format!("{body}<emitter type='point'><point name='position' x='{value}' y='0' z='0'/></emitter>");
+        match Folder::new().scene(&light) {
+            Ok((scene, _)) => assert!(
+                matches!(scene.lights[0], Light::Point { position, .. } if (position.x - expected).abs() < 1e-6),
+                "{value}: {:?}",
+                scene.lights
+            ),
+            Err(e) => assert!(expected == 0.0 && e.contains("position"), "{value}: {e}"),
+        }
+    }
+    let scene = scene("<bsdf type='diffuse' id='a\\$n'/><shape type='sphere'><ref id='a\\$n'/></shape>");
+    assert_eq!(scene.material_names, ["a$n"]);
+}
+
 #[test]
 fn undefined_parameter_names_its_place() {
     let e = error("<shape type='sphere'>\n  <float name='radius' value='$r'/></shape>");
@@ -173,6 +204,16 @@ fn points_and_numbers() {
         error("<shape type='sphere'><boolean name='flip_normals' value='yes'/></shape>")
             .contains("neither true nor false")
     );
+    for (word, value) in [("True", true), ("TRUE", true), (" true ", true), ("1", true), ("False", false), ("0", false)]
+    {
+        let body = format!("<shape type='sphere'><boolean name='flip_normals' value='{word}'/></shape>");
+        assert!(matches!(&scene(&body).shapes[0].geometry, Geometry::Sphere(s) if s.inward == value), "{word}");
+    }
+    for (word, value) in [("2.5f", 2.5), ("1.F", 1.0), ("+3", 3.0), (" .5 ", 0.5), ("2e0", 2.0)] {
+        let x = position(&format!("<emitter type='point'><point name='position' x='{word}' y='0' z='0'/></emitter>")).x;
+        assert_eq!(x, value, "{word}");
+    }
+    assert!(error("<shape type='sphere'><float name='radius' value='5mm'/></shape>").contains("`5mm` is not a number"));
     assert!(error("<shape type='sphere'><string name='radius' value='1'/></shape>").contains("a number is needed"));
     assert!(
         error("<shape type='sphere'><float name='radius' value='1'/><float name='radius' value='2'/></shape>")
@@ -200,7 +241,11 @@ fn unused_parameters_are_named() {
 fn broken_text_names_the_line() {
     for (text, what) in [
         ("<scene version='3.0.0'>\n<shape></scene>", "broken.xml:2: "),
-        ("<scene/>", "broken.xml:1:1: <scene>: the attribute `version` is missing"),
+        (
+            "<scene version='0.2.1'/>",
+            "broken.xml:1:1: <scene>: version `0.2.1` (0.3 to 0.6, 2.x and 3.x are supported)",
+        ),
+        ("<scene/>", "no sensor"),
         ("<scene version='9'/>", "broken.xml:1:1: <scene>: version `9`"),
         ("<secne version='3.0.0'/>", "must be <scene>"),
         ("<scene version='3.0.0'/>", "no sensor"),
@@ -211,11 +256,83 @@ fn broken_text_names_the_line() {
         assert!(e.contains(what), "{e}");
     }
     let e = Folder::new().with("binary.xml", [0xff, 0xfe, 0x00]).load("binary.xml", &[]).unwrap_err();
-    assert_eq!(e, "binary.xml: not UTF-8 text");
+    assert_eq!(e, "binary.xml: damaged UTF-16LE text");
     let e = Folder::new().load("gone.xml", &[]).unwrap_err();
     assert!(e.starts_with("gone.xml: cannot read: "), "{e}");
     let e = Folder::new().with("scene.obj", "").load("scene.obj", &[]).unwrap_err();
     assert!(e.contains("the extension must be xml, gltf or glb"), "{e}");
+}
+
+#[test]
+fn text_of_a_file_stays_out_of_messages() {
+    let long = "x".repeat(100_000);
+    for body in [
+        format!("<shape type='sphere'><float name='radius' value='{long}'/></shape>"),
+        format!("<shape type='{long}'/>"),
+        format!("<shape type='obj'><string name='filename' value='{long}'/></shape>"),
+        "<shape type='a&#10;b'><string name='c&#10;d' value='e&#10;f'/></shape>".into(),
+        "<shape type='obj'><string name='filename' value='e&#10;f.obj'/></shape>".into(),
+    ] {
+        let e = error(&body);
+        assert!(e.len() < 1000 && !e.contains('\n'), "{e}");
+    }
+}
+
+#[test]
+fn a_scene_without_version_tells_it_by_its_names() {
+    let version = |body: &str| {
+        let text =
+            format!("<scene>{body}<emitter type='constant'><spectrum name='radiance' value='1'/></emitter></scene>");
+        let (scene, warnings) = Folder::new().with("s.xml", text).load("s.xml", &[]).unwrap();
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        let neutral = scene.environment == Some(render::scene::Environment::Constant(Vec3A::ONE));
+        (warnings[0].clone(), neutral)
+    };
+    let (new, neutral) = version("<sensor type='perspective'><float name='near_clip' value='1'/></sensor>");
+    assert!(new.ends_with("no version is given: read as version 3.0") && !neutral, "{new}");
+    let (old, neutral) = version("<sensor type='perspective'><float name='nearClip' value='1'/></sensor>");
+    assert!(old.ends_with("read as version 0.6") && neutral, "{old}");
+    let (oldest, neutral) = version("<camera type='perspective'/>");
+    assert!(oldest.ends_with("read as version 0.3") && neutral, "{oldest}");
+}
+
+/// Each name that Mitsuba's upgrade to 0.4 changes.
+#[test]
+fn names_of_version_0_3() {
+    let text = "<scene version='0.3.0'><camera type='perspective'><float name='fov' value='40'/>
+        <boolean name='mapSmallerSide' value='False'/><transform name='toWorld'><translate z='2'/></transform>
+        <sampler type='ldsampler'><integer name='sampleCount' value='8'/><integer name='depth' value='3'/></sampler>
+        <film type='exrfilm'><integer name='width' value='20'/><integer name='height' value='40'/>
+        <boolean name='alpha' value='false'/></film></camera>
+        <luminaire type='constant'><spectrum name='intensity' value='2'/></luminaire>
+        <luminaire type='directional'><rgb name='intensity' value='3'/><vector name='direction' z='1'/></luminaire>
+        <luminaire type='point'><rgb name='intensity' value='4'/></luminaire>
+        <shape type='sphere'><luminaire type='area'><blackbody name='intensity' temperature='5000' multiplier='1e-4'/>
+        </luminaire></shape></scene>";
+    let (scene, warnings) = Folder::new().with("s.xml", text).load("s.xml", &[]).unwrap();
+    assert_eq!(warnings, ["s.xml:1:1: <scene>: version 0.3.0 is read by Mitsuba's rules of upgrade"]);
+    let camera = &scene.camera;
+    assert!((camera.to_world.matrix3.determinant() + 1.0).abs() < 1e-6 && camera.to_world.translation.z == 2.0);
+    let render::scene::Projection::Perspective { fov_x } = camera.projection else { panic!() };
+    let larger = 2.0 * (0.5 * 20f32.to_radians().tan()).atan();
+    assert!((fov_x - larger).abs() < 1e-6, "{fov_x}");
+    assert_eq!(scene.integrator.spp, 8);
+    assert_eq!(scene.environment, Some(render::scene::Environment::Constant(Vec3A::splat(2.0))));
+    assert!(matches!(scene.lights[0], Light::Directional { irradiance, .. } if irradiance == Vec3A::splat(3.0)));
+    assert!(matches!(scene.lights[1], Light::Point { intensity, .. } if intensity == Vec3A::splat(4.0)));
+    let radiance = &scene.shapes[0].emitter.as_ref().unwrap().radiance;
+    assert!(matches!(radiance, render::scene::ColorTexture::Constant(c) if (1.0..2.0).contains(&c.y)), "{radiance:?}");
+    let smaller = text.replace("<boolean name='mapSmallerSide' value='False'/>", "");
+    let (scene, _) = Folder::new().with("s.xml", smaller).load("s.xml", &[]).unwrap();
+    assert_eq!(scene.camera.projection, render::scene::Projection::Perspective { fov_x: 40f32.to_radians() });
+}
+
+#[test]
+fn an_included_file_may_be_one_element() {
+    let folder = Folder::new().with("grey.xml", "<bsdf type='diffuse' version='3.0.0' id='grey'/>");
+    let (scene, _) =
+        folder.scene("<include filename='grey.xml'/><shape type='sphere'><ref id='grey'/></shape>").unwrap();
+    assert_eq!(scene.material_names, ["grey"]);
 }
 
 #[test]

@@ -19,7 +19,7 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.element)
+        write!(f, "{}:{}:{}: {}", shown(&self.file), self.line, self.column, self.element)
     }
 }
 
@@ -32,25 +32,38 @@ pub struct FileError {
     pub line: Option<usize>,
     /// What is wrong, one line.
     pub what: String,
+    /// Whether there is no such file.
+    pub missing: bool,
 }
 
 impl FileError {
     /// An error of the whole file.
     pub fn new(path: &Path, what: impl fmt::Display) -> Self {
-        Self { path: path.into(), line: None, what: one_line(what) }
+        Self { path: path.into(), line: None, what: brief(what), missing: false }
     }
 
     /// An error at a line, counted from 1.
     pub fn at(path: &Path, line: usize, what: impl fmt::Display) -> Self {
         Self { line: Some(line), ..Self::new(path, what) }
     }
+
+    fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+        let missing = matches!(error.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory);
+        Self { missing, ..Self::new(path, format_args!("cannot read: {error}")) }
+    }
+
+    /// The same error with advice after it.
+    pub(crate) fn advise(mut self, advice: impl fmt::Display) -> Self {
+        self.what = format!("{}; {}", self.what, brief(advice));
+        self
+    }
 }
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self.line {
-            Some(line) => write!(f, "{}:{line}: {}", self.path.display(), self.what),
-            None => write!(f, "{}: {}", self.path.display(), self.what),
+            Some(line) => write!(f, "{}:{line}: {}", shown(&self.path), self.what),
+            None => write!(f, "{}: {}", shown(&self.path), self.what),
         }
     }
 }
@@ -62,7 +75,7 @@ pub enum LoadError {
     #[error(transparent)]
     File(#[from] FileError),
     /// An element of the scene text.
-    #[error("{place}: {what}")]
+    #[error("{place}: {}", brief(what))]
     Element {
         /// Where.
         place: Place,
@@ -70,28 +83,49 @@ pub enum LoadError {
         what: String,
     },
     /// A file that an element names.
-    #[error("{place}: {source}")]
+    #[error("{place}: {error}")]
     Asset {
         /// The element.
         place: Place,
-        /// The file's own error.
-        source: FileError,
+        /// The file's own error; no `source`, which would be printed twice.
+        error: FileError,
     },
 }
 
-/// Joins the lines of a library's message into one.
-fn one_line(what: impl fmt::Display) -> String {
-    what.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+/// More of a text than this, in characters, does not go into a message.
+const MAX_TEXT: usize = 300;
+/// The same for what has no blanks: a data URI.
+const MAX_WORD: usize = 100;
+/// The same for a path.
+const MAX_PATH: usize = 512;
+
+/// Text of a file or of a library as part of a message: in one line, and never a whole file or data URI.
+pub(crate) fn brief(text: impl fmt::Display) -> String {
+    let text = text.to_string();
+    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|w| !w.is_empty());
+    cut(&words.map(|w| cut(w, MAX_WORD)).collect::<Vec<_>>().join(" "), MAX_TEXT)
+}
+
+fn cut(text: &str, limit: usize) -> String {
+    match text.char_indices().nth(limit) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
+    }
+}
+
+/// A path as part of a message: a scene may call for names with line breaks, or of any length.
+fn shown(path: &Path) -> String {
+    cut(&path.display().to_string().replace(char::is_control, "?"), MAX_PATH)
 }
 
 /// Reads a regular file of at most `limit` bytes.
 pub(crate) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-    let metadata = std::fs::metadata(path).map_err(|e| FileError::new(path, format_args!("cannot read: {e}")))?;
+    let metadata = std::fs::metadata(path).map_err(|e| FileError::unreadable(path, &e))?;
     if !metadata.is_file() {
         return Err(FileError::new(path, "not a file"));
     }
     if metadata.len() > limit {
         return Err(FileError::new(path, format_args!("{} bytes, more than the {limit} accepted", metadata.len())));
     }
-    std::fs::read(path).map_err(|e| FileError::new(path, format_args!("cannot read: {e}")))
+    std::fs::read(path).map_err(|e| FileError::unreadable(path, &e))
 }

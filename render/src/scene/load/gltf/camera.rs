@@ -2,7 +2,7 @@
 
 use super::Builder;
 use crate::scene::load::error::FileError;
-use crate::scene::load::similarity::similarity;
+use crate::scene::load::similarity::without_scale;
 use crate::scene::{self, Camera, Film, Geometry, Light, Rgb};
 use glam::{Affine3A, DAffine3, DMat3, Vec3, Vec3A};
 use gltf::camera::Projection;
@@ -21,7 +21,8 @@ impl Builder<'_> {
             return Ok(());
         }
         let error = |what: String| self.data.error(format_args!("camera {}: {what}", camera.index()));
-        let (rotation, _) = similarity(to_world.matrix3).ok_or_else(|| error("its transform distorts".into()))?;
+        // Scaling of a camera and of what it hangs on is ignored (glTF 3.10.2).
+        let rotation = without_scale(to_world.matrix3).ok_or_else(|| error("its transform is singular".into()))?;
         let aspects = 0.01..=100.0;
         let (projection, aspect, near, far) = match camera.projection() {
             Projection::Perspective(p) => {

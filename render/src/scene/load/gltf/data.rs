@@ -1,14 +1,13 @@
 //! Bytes of a glTF file: buffers, accessors, images. Read here rather than by the `gltf` crate, which trusts offsets
 //! and counts.
 
-use crate::scene::load::error::{FileError, read_file};
+use super::uri;
+use crate::scene::load::error::FileError;
 use crate::scene::load::image::{self, Pixels};
-use base64::Engine;
 use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, Document, buffer, image as gltf_image};
-use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Larger buffers are refused.
 const MAX_FILE: u64 = 1 << 33;
@@ -27,13 +26,19 @@ pub struct Data<'a> {
 
 impl<'a> Data<'a> {
     /// Reads all buffers; `blob` is the binary chunk of a GLB file.
-    pub fn new(path: &'a Path, document: &Document, mut blob: Option<Vec<u8>>) -> Result<Self, FileError> {
+    pub fn new(path: &'a Path, document: &Document, mut blob: Option<&[u8]>) -> Result<Self, FileError> {
         let mut buffers = Vec::new();
         for buffer in document.buffers() {
             let error = |what: String| FileError::new(path, format_args!("buffer {}: {what}", buffer.index()));
             let bytes = match buffer.source() {
-                buffer::Source::Bin => blob.take().ok_or_else(|| error("the binary chunk is missing".into()))?,
-                buffer::Source::Uri(uri) => fetch(path, uri)?.into_owned(),
+                buffer::Source::Bin => {
+                    let chunk = blob.take().ok_or_else(|| error("the binary chunk is missing".into()))?;
+                    chunk.to_vec()
+                }
+                buffer::Source::Uri(uri) => match uri::data(uri) {
+                    Some(bytes) => bytes.map_err(error)?,
+                    None => uri::file(path, uri, MAX_FILE)?,
+                },
             };
             if bytes.len() < buffer.length() {
                 return Err(error(format!("{} bytes, but {} are promised", bytes.len(), buffer.length())));
@@ -141,38 +146,16 @@ impl<'a> Data<'a> {
 
     /// Decodes an image.
     pub fn image(&self, image: &gltf_image::Image) -> Result<Pixels, FileError> {
+        let name = format!("{} (image {})", self.path.display(), image.index());
         match image.source() {
-            gltf_image::Source::View { view, .. } => {
-                let name = format!("{} (image {})", self.path.display(), image.index());
-                image::decode(self.view(&view)?, Path::new(&name))
-            }
-            gltf_image::Source::Uri { uri, .. } if uri.starts_with("data:") => {
-                let name = format!("{} (image {})", self.path.display(), image.index());
-                image::decode(&fetch(self.path, uri)?, Path::new(&name))
-            }
-            gltf_image::Source::Uri { uri, .. } => image::read(&beside(self.path, uri)),
+            gltf_image::Source::View { view, .. } => image::decode(self.view(&view)?, Path::new(&name)),
+            gltf_image::Source::Uri { uri, .. } => match uri::data(uri) {
+                Some(bytes) => {
+                    let bytes = bytes.map_err(|e| self.error(format_args!("image {}: {e}", image.index())))?;
+                    image::decode(&bytes, Path::new(&name))
+                }
+                None => uri::beside(self.path, uri, image::read),
+            },
         }
     }
-}
-
-/// Content of a `data:` URI, or of a file beside the scene.
-fn fetch<'u>(path: &Path, uri: &'u str) -> Result<Cow<'u, [u8]>, FileError> {
-    let Some(data) = uri.strip_prefix("data:") else { return read_file(&beside(path, uri), MAX_FILE).map(Cow::Owned) };
-    let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-    let encoded = encoded.ok_or_else(|| FileError::new(path, "a data URI that is not base64"))?;
-    let bytes = base64::engine::general_purpose::STANDARD.decode(encoded);
-    bytes.map(Cow::Owned).map_err(|e| FileError::new(path, format_args!("a data URI: {e}")))
-}
-
-/// Path of a relative URI, its `%20` and the like undone.
-fn beside(path: &Path, uri: &str) -> PathBuf {
-    let mut bytes = Vec::new();
-    let mut rest = uri.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        let code = (first == b'%').then(|| tail.get(..2)).flatten();
-        let code = code.and_then(|hex| str::from_utf8(hex).ok()).and_then(|hex| u8::from_str_radix(hex, 16).ok());
-        bytes.push(code.unwrap_or(first));
-        rest = if code.is_some() { &tail[2..] } else { tail };
-    }
-    path.parent().unwrap_or(Path::new("")).join(String::from_utf8_lossy(&bytes).as_ref())
 }

@@ -38,7 +38,8 @@ enum Channel {
 /// Images decoded and textures made so far.
 #[derive(Default)]
 pub struct TextureCache {
-    images: HashMap<usize, Rc<Pixels>>,
+    /// `None` where the file is missing, and may be.
+    images: HashMap<usize, Option<Rc<Pixels>>>,
     textures: HashMap<(usize, Channel, [u32; 6]), TextureId>,
 }
 
@@ -125,9 +126,8 @@ impl Builder<'_> {
         let roughness = scaled(pbr.roughness_factor(), Channel::Linear(1))?;
         let metallic = scaled(pbr.metallic_factor(), Channel::Linear(2))?;
         let ior = source.ior().unwrap_or(1.5);
-        let specular = source.specular().map_or(1.0, |s| s.specular_factor());
-        let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2) * specular;
-        let opaque = Material::MetallicRoughness { base_color, metallic, roughness, f0: f0.clamp(0.0, 1.0) };
+        let (f0, f90) = self.fresnel(source, ior);
+        let opaque = Material::MetallicRoughness { base_color, metallic, roughness, f0, f90 };
         let mut id = self.push(opaque, source);
         if let Some(normal) = source.normal_texture() {
             let reference = Reference::normal(&normal);
@@ -152,6 +152,19 @@ impl Builder<'_> {
             id = self.push(Material::Mask { opacity, inner: id }, source);
         }
         Ok((id, self.emission(source, uv_sets)?))
+    }
+
+    /// Reflectance of the dielectric part at normal and at grazing incidence (KHR_materials_specular).
+    fn fresnel(&mut self, source: &gltf::Material, ior: f32) -> (Rgb, f32) {
+        let smooth = Some(((ior - 1.0) / (ior + 1.0)).powi(2)).filter(|f| f.is_finite()).unwrap_or(1.0);
+        let smooth = Rgb::splat(smooth.min(1.0));
+        let Some(specular) = source.specular() else { return (smooth, 1.0) };
+        if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
+            self.note("textures of KHR_materials_specular are ignored", label(source));
+        }
+        let factor = specular.specular_factor().clamp(0.0, 1.0);
+        let tint = Rgb::from(specular.specular_color_factor()).clamp(Rgb::ZERO, Rgb::splat(1e30));
+        ((smooth * tint).min(Rgb::ONE) * factor, factor)
     }
 
     fn opacity(
@@ -191,6 +204,30 @@ impl Builder<'_> {
         Ok(Some(AreaEmitter { radiance }))
     }
 
+    /// The image of a texture, decoded once.
+    fn pixels(&mut self, texture: &gltf::Texture) -> Result<Option<Rc<Pixels>>, FileError> {
+        let Some(image) = texture.source() else {
+            let names = texture.extensions().map(|e| e.keys().cloned().collect::<Vec<_>>().join(", "));
+            let names = names.filter(|n| !n.is_empty()).unwrap_or_else(|| "no image at all".into());
+            let what = format!("texture {}: its image is not of glTF itself, but of {names}", texture.index());
+            return Err(self.data.error(what));
+        };
+        if let Some(pixels) = self.textures.images.get(&image.index()) {
+            return Ok(pixels.clone());
+        }
+        let pixels = match self.data.image(&image) {
+            Ok(pixels) => Some(Rc::new(pixels)),
+            Err(e) if e.missing && self.skip_missing => {
+                self.missing.push(e.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+                None
+            }
+            Err(e) if e.missing => return Err(e.advise("--skip-missing draws an even grey instead")),
+            Err(e) => return Err(e),
+        };
+        self.textures.images.insert(image.index(), pixels.clone());
+        Ok(pixels)
+    }
+
     fn texture(
         &mut self,
         reference: &Reference,
@@ -202,23 +239,15 @@ impl Builder<'_> {
         if let Some(&done) = self.textures.textures.get(&key) {
             return Ok(done);
         }
-        let image = reference.texture.source();
-        let pixels = match self.textures.images.get(&image.index()) {
-            Some(pixels) => pixels.clone(),
-            None => {
-                let pixels = Rc::new(self.data.image(&image)?);
-                self.textures.images.insert(image.index(), pixels.clone());
-                pixels
-            }
-        };
+        let pixels = self.pixels(&reference.texture)?;
         let sampler = reference.texture.sampler();
         if sampler.wrap_s() != sampler.wrap_t() {
             self.warn(format_args!("texture {}: its wrap mode of u is used for v too", reference.texture.index()));
         }
         let bitmap = Bitmap {
-            width: pixels.width,
-            height: pixels.height,
-            texels: texels(&pixels, channel),
+            width: pixels.as_ref().map_or(1, |p| p.width),
+            height: pixels.as_ref().map_or(1, |p| p.height),
+            texels: pixels.map_or_else(|| even(channel), |p| texels(&p, channel)),
             wrap: match sampler.wrap_s() {
                 WrappingMode::Repeat => Wrap::Repeat,
                 WrappingMode::MirroredRepeat => Wrap::Mirror,
@@ -247,6 +276,16 @@ fn texels(pixels: &Pixels, channel: Channel) -> Texels {
             Texels::Gray(rgba.map(|p| if p[3] >= threshold { 1.0 } else { 0.0 }).collect())
         }
         Channel::Normal => Texels::Rgb(rgba.map(|&[r, g, b, _]| [r, 1.0 - g, b]).collect()),
+    }
+}
+
+/// Stands for an image that is missing: grey, smooth, and everywhere there.
+fn even(channel: Channel) -> Texels {
+    match channel {
+        Channel::Color => Texels::Rgb(vec![[0.5; 3]]),
+        Channel::Linear(3) | Channel::Cutoff(_) => Texels::Gray(vec![1.0]),
+        Channel::Linear(_) => Texels::Gray(vec![0.5]),
+        Channel::Normal => Texels::Rgb(vec![[0.5, 0.5, 1.0]]),
     }
 }
 

@@ -4,18 +4,25 @@
 //! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
 
 mod camera;
+mod container;
 mod data;
+mod document;
 mod material;
+mod morph;
 mod sides;
+mod uri;
 
-use super::error::{FileError, LoadError};
+use super::error::{FileError, LoadError, brief};
+use super::left_out;
 use super::mesh::{Finish, finish};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
 use data::Data;
-use glam::{DAffine3, DMat4, Vec2, Vec3};
+use document::SUPPORTED;
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 use gltf::mesh::Mode;
-use gltf::{Document, Gltf, Node, Primitive, Semantic};
-use std::collections::BTreeMap;
+use gltf::scene::Transform;
+use gltf::{Document, Node, Primitive, Semantic};
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -30,14 +37,15 @@ const MAX_NODES: usize = 1 << 20;
 ///
 /// # Errors
 /// The first thing that makes the file unreadable or the picture wrong.
-pub fn load(path: &Path) -> Result<(Scene, Vec<String>), LoadError> {
+pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), LoadError> {
     let bytes = super::error::read_file(path, MAX_FILE)?;
-    // The library indexes without checks in places, so that a damaged file may make it panic.
+    // The library indexes without checks in places; what it relies on is checked before, and this is the net below.
     let result = catch_unwind(AssertUnwindSafe(|| {
-        let (document, blob) = parse(&bytes, path)?;
+        let (text, blob) = container::open(&bytes, path)?;
+        let (document, animations) = document::parse(&text, path)?;
         let data = Data::new(path, &document, blob)?;
-        let mut builder = Builder::new(&data, &document);
-        builder.document(&document)?;
+        let mut builder = Builder::new(&data, &document, skip_missing);
+        builder.document(&document, animations)?;
         Ok((builder.scene, builder.warnings))
     }));
     result
@@ -45,58 +53,38 @@ pub fn load(path: &Path) -> Result<(Scene, Vec<String>), LoadError> {
         .map_err(LoadError::File)
 }
 
-fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Option<Vec<u8>>), FileError> {
-    let error = |e: gltf::Error| FileError::new(path, e);
-    if bytes.starts_with(b"glTF") && bytes.get(8..12).is_none_or(|b| b < &12u32.to_le_bytes()[..] && b[1..] == [0; 3]) {
-        return Err(FileError::new(path, "truncated GLB header"));
-    }
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(error)?;
-    let json = document.into_json();
-    // The library's own validation looks at these accessors before it checks that they exist.
-    let position = gltf::json::validation::Checked::Valid(Semantic::Positions);
-    for primitive in json.meshes.iter().flat_map(|m| &m.primitives) {
-        if primitive.attributes.get(&position).is_some_and(|a| a.value() >= json.accessors.len()) {
-            return Err(FileError::new(path, "a primitive refers to a missing accessor"));
-        }
-    }
-    for extension in &json.extensions_required {
-        if !SUPPORTED.contains(&extension.as_str()) {
-            return Err(FileError::new(path, format_args!("the extension {extension} is required, but not supported")));
-        }
-    }
-    Ok((Document::from_json(json).map_err(error)?, blob))
+/// A mesh with the weights of its morph targets.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Posed {
+    mesh: usize,
+    /// Bits of the weights, without the zeros at their end.
+    weights: Vec<u32>,
 }
-
-/// Extensions a file may require.
-const SUPPORTED: [&str; 6] = [
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_texture_transform",
-];
 
 /// A scene in the making.
 struct Builder<'a> {
     data: &'a Data<'a>,
     scene: Scene,
     warnings: Vec<String>,
+    /// What is found in many places: by kind, the first place and their number.
+    notes: BTreeMap<&'static str, (String, usize)>,
     textures: material::TextureCache,
     /// Materials already made, by their index in the file; `None` is glTF's default.
     materials: BTreeMap<Option<usize>, material::Made>,
     /// Placements of every mesh.
-    placements: BTreeMap<usize, Vec<DAffine3>>,
+    placements: BTreeMap<Posed, Vec<DAffine3>>,
     has_camera: bool,
     nodes: usize,
+    skip_missing: bool,
+    /// Files of textures that are missing.
+    missing: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(data: &'a Data<'a>, document: &Document) -> Self {
-        let unknown = document.extensions_used().filter(|e| !SUPPORTED.contains(e));
-        let unknown = unknown.map(|e| format!("{}: the extension {e} is ignored", data.path.display()));
-        Self {
-            warnings: unknown.collect(),
+    fn new(data: &'a Data<'a>, document: &Document, skip_missing: bool) -> Self {
+        let mut builder = Self {
+            warnings: Vec::new(),
+            notes: BTreeMap::new(),
             data,
             scene: Scene::default(),
             textures: Default::default(),
@@ -104,26 +92,51 @@ impl<'a> Builder<'a> {
             placements: BTreeMap::new(),
             has_camera: false,
             nodes: 0,
-        }
+            skip_missing,
+            missing: Vec::new(),
+        };
+        let unknown: BTreeSet<&str> = document.extensions_used().filter(|e| !SUPPORTED.contains(e)).collect();
+        unknown.iter().for_each(|e| builder.warn(format_args!("the extension {e} is ignored")));
+        builder
     }
 
     fn warn(&mut self, what: impl std::fmt::Display) {
-        self.warnings.push(format!("{}: {what}", self.data.path.display()));
+        self.warnings.push(format!("{}: {}", self.data.path.display(), brief(what)));
     }
 
-    fn document(&mut self, document: &Document) -> Result<(), FileError> {
-        let scene = document.default_scene().or_else(|| document.scenes().next());
-        let scene = scene.ok_or_else(|| self.data.error("the file has no scene"))?;
-        for node in scene.nodes() {
+    /// A warning that comes once, however many places it is about.
+    fn note(&mut self, what: &'static str, place: impl std::fmt::Display) {
+        self.notes.entry(what).or_insert_with(|| (place.to_string(), 0)).1 += 1;
+    }
+
+    fn document(&mut self, document: &Document, animations: usize) -> Result<(), FileError> {
+        let roots: Vec<Node> = match document.default_scene().or_else(|| document.scenes().next()) {
+            Some(scene) => scene.nodes().collect(),
+            // A file without a scene is a library: everything in it is drawn.
+            None => {
+                let inner: BTreeSet<usize> = document.nodes().flat_map(|n| n.children().map(|c| c.index())).collect();
+                document.nodes().filter(|n| !inner.contains(&n.index())).collect()
+            }
+        };
+        if roots.is_empty() {
+            return Err(self.data.error("the file has no scene"));
+        }
+        for node in roots {
             self.node(&node, DAffine3::IDENTITY, 0)?;
         }
-        for (mesh, placements) in std::mem::take(&mut self.placements) {
-            let mesh = document.meshes().nth(mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
-            self.mesh(&mesh, &placements)?;
+        for (posed, placements) in std::mem::take(&mut self.placements) {
+            let mesh = document.meshes().nth(posed.mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
+            let weights: Vec<f32> = posed.weights.into_iter().map(f32::from_bits).collect();
+            self.mesh(&mesh, &weights, &placements)?;
         }
-        if document.animations().len() > 0 || document.skins().len() > 0 {
-            self.warn("animations and skins are ignored: everything is drawn in its rest pose");
+        if animations > 0 {
+            self.warn("animations are ignored: everything is drawn in its rest pose");
         }
+        for (what, (place, count)) in std::mem::take(&mut self.notes) {
+            let more = if count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
+            self.warn(format_args!("{place}{more}: {what}"));
+        }
+        self.warnings.extend(left_out("textures are an even grey: no", &self.missing));
         if self.scene.lights.is_empty() && self.scene.shapes.iter().all(|s| s.emitter.is_none()) {
             self.warn("nothing in the file gives off light: the picture is black (glTF has no environment)");
         }
@@ -140,15 +153,24 @@ impl<'a> Builder<'a> {
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
             return Err(self.data.error(format_args!("node {}: the node tree is endless", node.index())));
         }
-        let local = DMat4::from_cols_array_2d(&node.transform().matrix().map(|c| c.map(f64::from)));
-        let to_world = parent * DAffine3::from_mat4(local);
+        let local = self.local(node);
+        let to_world = parent * local;
         if !to_world.is_finite() {
             return Err(self.data.error(format_args!("node {}: its transform is not finite", node.index())));
         }
         if let Some(mesh) = node.mesh() {
             // A scale of zero hides a mesh.
             if to_world.matrix3.determinant() != 0.0 {
-                self.placements.entry(mesh.index()).or_default().push(to_world);
+                let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+                if weights.iter().any(|w| !w.is_finite()) {
+                    return Err(self.data.error(format_args!("node {}: a weight is not finite", node.index())));
+                }
+                let used = weights.iter().rposition(|w| *w != 0.0).map_or(0, |last| last + 1);
+                let weights = weights[..used].iter().map(|w| w.to_bits()).collect();
+                self.placements.entry(Posed { mesh: mesh.index(), weights }).or_default().push(to_world);
+            }
+            if node.skin().is_some() {
+                self.note("skins are ignored: the mesh is drawn as it was modelled", node_name(node));
             }
         }
         if let Some(light) = node.light() {
@@ -160,14 +182,35 @@ impl<'a> Builder<'a> {
         node.children().try_for_each(|child| self.node(&child, to_world, depth + 1))
     }
 
+    /// Transform of a node against its parent.
+    fn local(&mut self, node: &Node) -> DAffine3 {
+        let (translation, rotation, scale) = match node.transform() {
+            Transform::Matrix { matrix } => {
+                return DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from))));
+            }
+            Transform::Decomposed { translation, rotation, scale } => (translation, rotation, scale),
+        };
+        let rotation = DQuat::from_array(rotation.map(f64::from));
+        let length = rotation.length();
+        if length == 0.0 {
+            self.note("a rotation of length zero is left out", node_name(node));
+        } else if (length - 1.0).abs() > 1e-3 {
+            self.note("the quaternion of a rotation is not of unit length: it is normalised", node_name(node));
+        }
+        let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
+        let scale = DMat3::from_diagonal(DVec3::from(scale.map(f64::from)));
+        let translation = DVec3::from(translation.map(f64::from));
+        DAffine3 { matrix3: DMat3::from_quat(rotation) * scale, translation }
+    }
+
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
-    fn mesh(&mut self, mesh: &gltf::Mesh, placements: &[DAffine3]) -> Result<(), FileError> {
+    fn mesh(&mut self, mesh: &gltf::Mesh, weights: &[f32], placements: &[DAffine3]) -> Result<(), FileError> {
         let mut emits = false;
         for primitive in mesh.primitives() {
             emits |= self.material(&primitive.material())?.emitter.is_some();
         }
         if placements.len() > 1 && !emits {
-            let shapes = self.primitives(mesh, DAffine3::IDENTITY)?;
+            let shapes = self.primitives(mesh, weights, DAffine3::IDENTITY)?;
             let group = self.scene.groups.len() as u32;
             self.scene.groups.push(Group { shapes });
             let instances = placements.iter().map(|to_world| Instance { group, to_world: to_world.as_affine3a() });
@@ -175,19 +218,19 @@ impl<'a> Builder<'a> {
             return Ok(());
         }
         for &to_world in placements {
-            let shapes = self.primitives(mesh, to_world)?;
+            let shapes = self.primitives(mesh, weights, to_world)?;
             self.scene.shapes.extend(shapes);
         }
         Ok(())
     }
 
-    fn primitives(&mut self, mesh: &gltf::Mesh, to_world: DAffine3) -> Result<Vec<Shape>, FileError> {
+    fn primitives(&mut self, mesh: &gltf::Mesh, weights: &[f32], to_world: DAffine3) -> Result<Vec<Shape>, FileError> {
         let mut shapes = Vec::new();
         for primitive in mesh.primitives() {
             let what =
                 format!("mesh {} ({}), primitive {}", mesh.index(), mesh.name().unwrap_or("-"), primitive.index());
             let made = self.material(&primitive.material())?;
-            let Some(geometry) = self.geometry(&primitive, made.uv_set, &what)? else { continue };
+            let Some(geometry) = self.geometry(&primitive, weights, made.uv_set, &what)? else { continue };
             let flat = geometry.normals.is_empty();
             let how = Finish { to_world: to_world.as_affine3a(), face_normals: flat, flip_normals: false };
             let (geometry, dropped) = finish(geometry, how, self.data.path)
@@ -209,7 +252,13 @@ impl<'a> Builder<'a> {
     }
 
     /// Triangles of a primitive; `None` for points and lines.
-    fn geometry(&mut self, primitive: &Primitive, uv_set: u32, what: &str) -> Result<Option<Mesh>, FileError> {
+    fn geometry(
+        &mut self,
+        primitive: &Primitive,
+        weights: &[f32],
+        uv_set: u32,
+        what: &str,
+    ) -> Result<Option<Mesh>, FileError> {
         let data = self.data;
         let attribute = |semantic| primitive.get(&semantic);
         let positions = attribute(Semantic::Positions);
@@ -226,8 +275,9 @@ impl<'a> Builder<'a> {
         if [mesh.normals.len(), mesh.uvs.len()].iter().any(|&n| n != 0 && n != count) {
             return Err(data.error(format_args!("{what}: attributes of different length")));
         }
+        morph::apply(&mut mesh, primitive, weights, data, what)?;
         if attribute(Semantic::Colors(0)).is_some() {
-            self.warn(format_args!("{what}: vertex colours are ignored"));
+            self.note("vertex colours are ignored", what);
         }
         let corners = match primitive.indices() {
             Some(accessor) => data.indices(&accessor)?,
@@ -245,10 +295,14 @@ impl<'a> Builder<'a> {
                 corners.get(1..).unwrap_or_default().windows(2).map(|w| [corners[0], w[0], w[1]]).collect()
             }
             Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {
-                self.warn(format_args!("{what}: points and lines are not drawn"));
+                self.note("points and lines are not drawn", what);
                 return Ok(None);
             }
         };
         Ok(Some(mesh))
     }
+}
+
+fn node_name(node: &Node) -> String {
+    format!("node {} ({})", node.index(), node.name().unwrap_or("-"))
 }

@@ -15,17 +15,19 @@ impl Builder<'_> {
     pub(super) fn emitter(&mut self, object: &Object) -> Result<(), LoadError> {
         object.ignore(&["sampling_weight"]);
         let to_world = object.transform("to_world")?;
-        let color = |name| object.color(name).map(|c| c.unwrap_or(Rgb::ONE));
+        let mut color = |name| self.even_color(object, name);
         match object.plugin.as_str() {
             "point" => {
                 let position = object.vector("position")?.unwrap_or(to_world.translation).as_vec3a();
-                self.scene.lights.push(Light::Point { position, intensity: color("intensity")? });
+                let intensity = color("intensity")?;
+                self.scene.lights.push(Light::Point { position, intensity });
             }
             "spot" => self.spot(object, to_world)?,
             "directional" => {
                 let direction = object.vector("direction")?.unwrap_or(to_world.matrix3.z_axis).try_normalize();
                 let direction = direction.ok_or_else(|| object.error("the direction is zero"))?.as_vec3a();
-                self.scene.lights.push(Light::Directional { direction, irradiance: color("irradiance")? });
+                let irradiance = color("irradiance")?;
+                self.scene.lights.push(Light::Directional { direction, irradiance });
             }
             "constant" => {
                 let environment = Environment::Constant(color("radiance")?);
@@ -57,10 +59,11 @@ impl Builder<'_> {
             return Err(object.error(format!("a beam of {beam} degrees inside a cone of {cutoff}")));
         }
         let direction = to_world.matrix3.z_axis.normalize().as_vec3a();
+        let intensity = self.even_color(object, "intensity")?;
         self.scene.lights.push(Light::Spot {
             position: to_world.translation.as_vec3a(),
             direction,
-            intensity: object.color("intensity")?.unwrap_or(Rgb::ONE),
+            intensity,
             beam: beam.to_radians() as f32,
             cutoff: cutoff.to_radians() as f32,
         });

@@ -250,7 +250,7 @@ impl Builder<'_> {
         let base_color = self.reflectance(object, "base_color", ColorTexture::Constant(Rgb::splat(0.5)))?;
         let metallic = self.number_in(object, "metallic", 0.0, 0.0..=1.0)?;
         let roughness = self.number_in(object, "roughness", 0.5, 0.0..=1.0)?;
-        let f0 = 0.08 * object.number_or("specular", 0.5)? as f32;
-        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0 })
+        let f0 = Rgb::splat(0.08 * object.number_or("specular", 0.5)? as f32);
+        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, f90: 1.0 })
     }
 }

@@ -1,4 +1,4 @@
-//! Mitsuba scene files, versions 0.4 – 0.6 (camelCase) and 2 – 3 (snake_case).
+//! Mitsuba scene files, versions 0.3 – 0.6 (camelCase) and 2 – 3 (snake_case).
 
 mod camera;
 mod composite;
@@ -8,30 +8,35 @@ mod material;
 mod object;
 mod objects;
 mod shape;
+mod spectrum;
 mod texture;
 mod transform;
+mod upgrade;
 mod value;
 mod xml;
 
-use super::error::LoadError;
+use super::error::{LoadError, brief};
+use super::{Options, left_out};
 use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
 use object::Object;
 use objects::{ObjectId, Objects};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Loads a scene file. `defines` win over the file's own `default`s. Returns the scene and warnings, each one line.
+/// Loads a scene file. Returns the scene and warnings, each one line.
 ///
 /// # Errors
 /// The first thing that makes the scene unreadable or the picture wrong.
-pub fn load(path: &Path, defines: &[(String, String)]) -> Result<(Scene, Vec<String>), LoadError> {
-    let document = xml::read(path, defines)?;
-    let mut warnings: Vec<String> =
-        document.unused_defines.iter().map(|name| format!("-D {name}: the scene has no such parameter")).collect();
+pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), LoadError> {
+    let mut document = xml::read(path, &options.defines)?;
+    let mut warnings = std::mem::take(&mut document.warnings);
+    warnings.extend(document.unused_defines.iter().map(|name| format!("-D {name}: the scene has no such parameter")));
     let objects = Objects::new(document)?;
-    let mut builder = Builder::new(&objects);
+    let mut builder = Builder::new(&objects, options.skip_missing);
     builder.scene()?;
     warnings.append(&mut builder.warnings);
+    warnings.extend(left_out("shapes are left out: no", &builder.missing_meshes));
+    warnings.extend(left_out("textures are an even grey: no", &builder.missing_textures));
     let scene = builder.scene;
     warnings.extend(objects.unused());
     Ok((scene, warnings))
@@ -48,10 +53,14 @@ struct Builder<'a> {
     /// Material of shapes that name none, by whether they emit.
     default_materials: HashMap<bool, MaterialId>,
     groups: HashMap<ObjectId, u32>,
+    skip_missing: bool,
+    /// Files of shapes that are left out, and of textures.
+    missing_meshes: Vec<String>,
+    missing_textures: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(objects: &'a Objects) -> Self {
+    fn new(objects: &'a Objects, skip_missing: bool) -> Self {
         Self {
             objects,
             scene: Scene::default(),
@@ -60,11 +69,14 @@ impl<'a> Builder<'a> {
             textures: HashMap::new(),
             default_materials: HashMap::new(),
             groups: HashMap::new(),
+            skip_missing,
+            missing_meshes: Vec::new(),
+            missing_textures: Vec::new(),
         }
     }
 
     fn warn(&mut self, object: &Object, what: impl std::fmt::Display) {
-        self.warnings.push(format!("{}: {what}", object.place));
+        self.warnings.push(format!("{}: {}", object.place, brief(what)));
     }
 
     /// Everything at the top level.

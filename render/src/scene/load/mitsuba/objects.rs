@@ -3,11 +3,12 @@
 use super::object::{Child, Object, Parameter, Value};
 use super::transform;
 use super::value::{self, ColorContext};
-use super::xml::{Document, Element, resolve};
-use crate::scene::load::error::LoadError;
+use super::xml::{Document, Element};
+use crate::scene::load::error::{FileError, LoadError};
+use crate::scene::load::files::Folders;
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Index into [`Objects`].
 pub type ObjectId = usize;
@@ -15,7 +16,7 @@ pub type ObjectId = usize;
 /// All plugins of a scene; the last one is the scene itself.
 pub struct Objects {
     list: Vec<Object>,
-    folders: Vec<PathBuf>,
+    folders: Folders,
     /// Whether the file is of version 0.x.
     pub legacy: bool,
 }
@@ -33,13 +34,7 @@ type References = Vec<(ObjectId, usize, String)>;
 impl Objects {
     /// Turns the elements of a document into objects.
     pub fn new(document: Document) -> Result<Self, LoadError> {
-        let version = document.root.require("version")?;
-        let major = version.split('.').next().and_then(|v| v.parse::<u32>().ok());
-        let legacy = match major {
-            Some(0) => true,
-            Some(2 | 3) => false,
-            _ => return Err(document.root.error(format!("version `{version}` (0.x, 2.x and 3.x are supported)"))),
-        };
+        let legacy = document.version.0 == 0;
         let mut objects = Self { list: Vec::new(), folders: document.folders, legacy };
         let (mut references, mut aliases) = (Vec::new(), Vec::new());
         objects.add(&document.root, &mut references, &mut aliases)?;
@@ -55,7 +50,13 @@ impl Objects {
 
     /// Path of a file that an object names.
     pub fn path(&self, object: &Object, name: &str) -> PathBuf {
-        resolve(&self.folders, &object.place.file, Path::new(name))
+        self.folders.resolve(&object.place.file, name)
+    }
+
+    /// An error of a file that an object names, with what it may be called instead, where it is missing.
+    pub fn asset(&self, object: &Object, name: &str, error: FileError) -> LoadError {
+        let error = self.folders.advise(&object.place.file, name, error);
+        LoadError::Asset { place: object.place.clone(), error }
     }
 
     fn add<'a>(
@@ -113,7 +114,7 @@ impl Objects {
                     legacy: self.legacy,
                     unbounded: matches!(name, "eta" | "k"),
                 };
-                let color = value::color(element, context, |name| resolve(&self.folders, &element.place.file, name))?;
+                let color = value::color(element, context, &self.folders)?;
                 if color.min_element() < 0.0 || !color.is_finite() {
                     return Err(element.error(format!("a colour is not negative, but this is {color}")));
                 }

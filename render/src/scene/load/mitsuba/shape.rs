@@ -66,12 +66,14 @@ impl Builder<'_> {
     fn load(&mut self, ids: &[ObjectId]) -> Result<Vec<Shape>, LoadError> {
         let objects = self.objects;
         let mut files = HashMap::new();
-        let pending: Vec<Pending> =
-            ids.iter().map(|&id| self.pending(&objects[id], &mut files)).collect::<Result<_, _>>()?;
+        let mut pending = Vec::new();
+        for &id in ids {
+            pending.extend(self.pending(&objects[id], &mut files)?.map(|p| (id, p)));
+        }
         // The first error in file order wins, so that the message does not depend on timing.
-        let done: Vec<_> = pending.into_par_iter().map(Pending::finish).collect();
+        let done: Vec<_> = pending.into_par_iter().map(|(id, p)| (id, p.finish())).collect();
         let mut shapes = Vec::new();
-        for (result, &id) in done.into_iter().zip(ids) {
+        for (id, result) in done {
             let (shape, dropped) = result?;
             let object = &objects[id];
             if dropped > 0 {
@@ -86,7 +88,12 @@ impl Builder<'_> {
         Ok(shapes)
     }
 
-    fn pending(&mut self, object: &Object, files: &mut HashMap<PathBuf, Arc<Vec<u8>>>) -> Result<Pending, LoadError> {
+    /// `None` for a shape that is left out because its file is missing.
+    fn pending(
+        &mut self,
+        object: &Object,
+        files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
+    ) -> Result<Option<Pending>, LoadError> {
         let objects = self.objects;
         let source = source(self, object, files)?;
         let emitter = match object.children_of(objects, "emitter").next() {
@@ -104,7 +111,11 @@ impl Builder<'_> {
             (None, _) => self.default_material(emitter.is_some()),
             (Some(_), Some(_)) => return Err(object.error("a shape has one bsdf, and this has two")),
         };
-        Ok(Pending { source, material, emitter })
+        let Some(source) = source else {
+            self.missing_meshes.push(object.require_text("filename")?.into());
+            return Ok(None);
+        };
+        Ok(Some(Pending { source, material, emitter }))
     }
 
     /// A shape without material is grey, or black if it is a lamp.
@@ -160,13 +171,18 @@ impl Builder<'_> {
     }
 }
 
-fn source(builder: &Builder, object: &Object, files: &mut HashMap<PathBuf, Arc<Vec<u8>>>) -> Result<Source, LoadError> {
+/// `None` where the file is missing and may be.
+fn source(
+    builder: &Builder,
+    object: &Object,
+    files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
+) -> Result<Option<Source>, LoadError> {
     let to_world = object.transform("to_world")?;
     let flip = object.boolean_or("flip_normals", false)?;
     let placed = to_world.as_affine3a();
     let mesh = |m: Mesh| {
         check_positions(&m).map_err(|what| object.error(what))?;
-        Ok(Source::Ready(Geometry::Mesh(if flip { m.flipped() } else { m })))
+        Ok(Some(Source::Ready(Geometry::Mesh(if flip { m.flipped() } else { m }))))
     };
     let format = match object.plugin.as_str() {
         "rectangle" => return mesh(Mesh::rectangle(placed)),
@@ -181,23 +197,29 @@ fn source(builder: &Builder, object: &Object, files: &mut HashMap<PathBuf, Arc<V
             }
             return mesh(Mesh::cylinder(p0, p1, radius, placed));
         }
-        "sphere" => return Ok(Source::Ready(Geometry::Sphere(sphere(object, flip)?))),
+        "sphere" => return Ok(Some(Source::Ready(Geometry::Sphere(sphere(object, flip)?)))),
         "obj" => Format::Obj { keep_v: !object.boolean_or("flip_tex_coords", true)? },
         "ply" => Format::Ply { turn_v: object.boolean_or("flip_tex_coords", false)? },
         "serialized" => Format::Serialized { index: object.count_or("shape_index", 0)? as usize },
         other => return Err(object.error(format!("the shape `{other}` is not supported"))),
     };
-    let path = builder.objects.path(object, object.require_text("filename")?);
+    let face_normals = object.boolean_or("face_normals", false)?;
+    let name = object.require_text("filename")?;
+    let path = builder.objects.path(object, name);
     let bytes = match files.get(&path) {
         Some(bytes) => bytes.clone(),
-        None => {
-            let read = read_file(&path, MAX_FILE).map_err(|e| asset(object, e))?;
-            files.entry(path.clone()).or_insert(Arc::new(read)).clone()
-        }
+        None => match read_file(&path, MAX_FILE) {
+            Ok(read) => files.entry(path.clone()).or_insert(Arc::new(read)).clone(),
+            Err(error) if error.missing && builder.skip_missing => return Ok(None),
+            Err(error) => {
+                let skip = error.missing.then_some("--skip-missing draws the rest");
+                let error = skip.into_iter().fold(error, FileError::advise);
+                return Err(builder.objects.asset(object, name, error));
+            }
+        },
     };
-    let face_normals = object.boolean_or("face_normals", false)?;
     let finish = Finish { to_world: placed, face_normals, flip_normals: flip };
-    Ok(Source::File(MeshFile { place: object.place.clone(), path, bytes, format, finish }))
+    Ok(Some(Source::File(MeshFile { place: object.place.clone(), path, bytes, format, finish })))
 }
 
 fn sphere(object: &Object, inward: bool) -> Result<Sphere, LoadError> {
@@ -213,10 +235,6 @@ fn sphere(object: &Object, inward: bool) -> Result<Sphere, LoadError> {
     Ok(Sphere { center, radius: radius as f32, rotation: rotation.as_mat3().into(), inward })
 }
 
-fn asset(object: &Object, source: FileError) -> LoadError {
-    LoadError::Asset { place: object.place.clone(), source }
-}
-
 impl Pending {
     /// Parses the file; the number counts dropped triangles.
     fn finish(self) -> Result<(Shape, usize), LoadError> {
@@ -224,7 +242,7 @@ impl Pending {
             Source::Ready(geometry) => (geometry, 0),
             Source::File(file) => {
                 let (mesh, dropped) =
-                    file.parse().map_err(|source| LoadError::Asset { place: file.place.clone(), source })?;
+                    file.parse().map_err(|error| LoadError::Asset { place: file.place.clone(), error })?;
                 (Geometry::Mesh(mesh), dropped)
             }
         };

@@ -3,6 +3,7 @@
 use super::Builder;
 use super::object::Object;
 use super::objects::ObjectId;
+use super::spectrum::spectrum;
 use crate::scene::load::error::LoadError;
 use crate::scene::load::image::{self, Pixels, srgb_to_linear};
 use crate::scene::{Bitmap, ColorTexture, FloatTexture, Interpolation, Rgb, Texels, Texture, TextureId, Wrap};
@@ -75,24 +76,35 @@ impl Builder<'_> {
         default: ColorTexture,
     ) -> Result<ColorTexture, LoadError> {
         match object.child_named(name) {
-            Some(id) => self.color_of(id),
+            Some(id) => self.color_of(id, object.class == "emitter"),
             None => Ok(object.color(name)?.map_or(default, ColorTexture::Constant)),
         }
     }
 
-    fn color_of(&mut self, id: ObjectId) -> Result<ColorTexture, LoadError> {
+    /// The colour parameter `name` where it cannot be a texture.
+    pub(super) fn even_color(&mut self, object: &Object, name: &str) -> Result<Rgb, LoadError> {
+        match self.color_texture(object, name, ColorTexture::Constant(Rgb::ONE))? {
+            ColorTexture::Constant(color) => Ok(color),
+            _ => Err(object.error(format!("a texture for `{name}` is not supported"))),
+        }
+    }
+
+    fn color_of(&mut self, id: ObjectId, emitter: bool) -> Result<ColorTexture, LoadError> {
         let objects = self.objects;
         let object = &objects[id];
         let color = |name| object.color(name).map(|c| c.unwrap_or(Rgb::ONE));
         Ok(match object.plugin.as_str() {
             "scale" => {
                 let factor = color("scale")?;
-                self.color_of(self.inner_texture(object)?)?.times(factor)
+                self.color_of(self.inner_texture(object)?, emitter)?.times(factor)
             }
             "uniform" => ColorTexture::Constant(color("value")?),
             "srgb" => ColorTexture::Constant(color("color")?),
             "d65" => ColorTexture::Constant(color("color")? * object.number_or("scale", 1.0)? as f32),
-            _ => ColorTexture::Texture(self.texture(id, Decode::Color)?),
+            _ => match spectrum(object, emitter)? {
+                Some(color) => ColorTexture::Constant(color),
+                None => ColorTexture::Texture(self.texture(id, Decode::Color)?),
+            },
         })
     }
 
@@ -175,7 +187,8 @@ impl Builder<'_> {
             Some(other) => return Err(object.error(format!("no such texture filter: `{other}`"))),
         };
         let wrap = self.wrap(object)?;
-        let pixels = self.read_image(object, object.require_text("filename")?)?;
+        let (pixels, there) = self.texture_image(object, decode)?;
+        let transfer = if there { transfer } else { Transfer::Linear };
         let texels = match (object.text("channel")?.map(str::to_ascii_lowercase), decode) {
             (Some(name), _) => {
                 let at = ["r", "g", "b", "a"].iter().position(|c| *c == name);
@@ -212,8 +225,25 @@ impl Builder<'_> {
 
     /// An image file named by `object`.
     pub(super) fn read_image(&self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
-        let error = |source| LoadError::Asset { place: object.place.clone(), source };
-        image::read(&self.objects.path(object, name)).map_err(error)
+        image::read(&self.objects.path(object, name)).map_err(|error| self.objects.asset(object, name, error))
+    }
+
+    /// The image of a texture; an even grey where it is missing and may be.
+    fn texture_image(&mut self, object: &Object, decode: Decode) -> Result<(Pixels, bool), LoadError> {
+        let name = object.require_text("filename")?;
+        match image::read(&self.objects.path(object, name)) {
+            Ok(pixels) => Ok((pixels, true)),
+            Err(error) if error.missing && self.skip_missing => {
+                self.missing_textures.push(name.into());
+                let z = if decode == Decode::Vector { 1.0 } else { 0.5 };
+                Ok((Pixels { width: 1, height: 1, rgba: vec![[0.5, 0.5, z, 0.5]], display_referred: false }, false))
+            }
+            Err(error) if error.missing => {
+                let error = error.advise("--skip-missing draws an even grey instead");
+                Err(self.objects.asset(object, name, error))
+            }
+            Err(error) => Err(self.objects.asset(object, name, error)),
+        }
     }
 }
 

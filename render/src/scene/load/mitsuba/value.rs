@@ -4,12 +4,16 @@ use super::xml::Element;
 use crate::scene::Rgb;
 use crate::scene::load::color::{self, Weighting};
 use crate::scene::load::error::{FileError, LoadError, read_file};
+use crate::scene::load::files::Folders;
 use crate::scene::load::image::srgb_to_linear;
+use crate::scene::load::text;
 use std::path::Path;
 
-/// A finite number.
+/// A finite number; an `f` after its last digit, as programmers write it, is no part of it.
 pub fn real(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
+    let word = text.trim();
+    let digits = word.strip_suffix(['f', 'F']).filter(|w| w.ends_with(|c: char| c.is_ascii_digit() || c == '.'));
+    let value: f64 = digits.unwrap_or(word).parse().map_err(|_| format!("`{text}` is not a number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("`{text}` is not finite")) }
 }
 
@@ -22,12 +26,12 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty())
 }
 
-/// `true` or `false`.
+/// `true` or `false`, in capitals or not.
 pub fn boolean(text: &str) -> Result<bool, String> {
-    match text.trim() {
+    match text.trim().to_ascii_lowercase().as_str() {
         "true" | "1" => Ok(true),
         "false" | "0" => Ok(false),
-        other => Err(format!("`{other}` is neither true nor false")),
+        _ => Err(format!("`{text}` is neither true nor false")),
     }
 }
 
@@ -42,12 +46,8 @@ pub struct ColorContext {
     pub unbounded: bool,
 }
 
-/// An `rgb`, `srgb`, `spectrum` or `blackbody` element as linear sRGB. `resolve` finds files by name.
-pub fn color(
-    element: &Element,
-    context: ColorContext,
-    resolve: impl Fn(&Path) -> std::path::PathBuf,
-) -> Result<Rgb, LoadError> {
+/// An `rgb`, `srgb`, `spectrum` or `blackbody` element as linear sRGB.
+pub fn color(element: &Element, context: ColorContext, folders: &Folders) -> Result<Rgb, LoadError> {
     let error = |what: String| element.error(what);
     match element.tag.as_str() {
         "rgb" => triple(element.require("value")?).map_err(error),
@@ -66,8 +66,11 @@ pub fn color(
                 (Some(value), None) if value.contains(':') => pairs(value).map_err(error)?,
                 (Some(value), None) => return constant(value, context).map_err(error),
                 (None, Some(name)) => {
-                    let path = resolve(Path::new(name));
-                    table(&path).map_err(|source| LoadError::Asset { place: element.place.clone(), source })?
+                    let file = &element.place.file;
+                    table(&folders.resolve(file, name)).map_err(|error| {
+                        let error = folders.advise(file, name, error);
+                        LoadError::Asset { place: element.place.clone(), error }
+                    })?
                 }
                 _ => return Err(element.error("a spectrum needs either `value` or `filename`")),
             };
@@ -118,7 +121,7 @@ fn pairs(text: &str) -> Result<Vec<(f64, f64)>, String> {
 
 /// A file of `wavelength value` lines; `#` starts a comment.
 fn table(path: &Path) -> Result<Vec<(f64, f64)>, FileError> {
-    let text = String::from_utf8(read_file(path, 1 << 24)?).map_err(|_| FileError::new(path, "not UTF-8 text"))?;
+    let text = text::decode(&read_file(path, 1 << 24)?, path)?;
     let mut samples = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();

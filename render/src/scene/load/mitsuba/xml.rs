@@ -1,6 +1,9 @@
 //! Scene text as a tree of elements: includes spliced in, parameters substituted, every element with its place.
 
-use crate::scene::load::error::{FileError, LoadError, Place, read_file};
+use super::upgrade::{Version, upgrade};
+use crate::scene::load::error::{FileError, LoadError, Place, brief, read_file};
+use crate::scene::load::files::Folders;
+use crate::scene::load::text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,6 +40,17 @@ impl Element {
         self.attribute(name).ok_or_else(|| self.error(format!("the attribute `{name}` is missing")))
     }
 
+    /// Changes an attribute that is there.
+    pub fn set(&mut self, name: &str, value: &str) {
+        self.attributes.iter_mut().filter(|(n, _)| n == name).for_each(|(_, v)| *v = value.into());
+    }
+
+    /// A new element that stands where this one does.
+    pub fn child(&self, tag: &str, attributes: &[(&str, &str)]) -> Self {
+        let attributes = attributes.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
+        Self { tag: tag.into(), attributes, children: Vec::new(), place: self.place.clone() }
+    }
+
     /// An error at this element.
     pub fn error(&self, what: impl Into<String>) -> LoadError {
         LoadError::Element { place: self.place.clone(), what: what.into() }
@@ -47,8 +61,12 @@ impl Element {
 pub struct Document {
     /// The `scene` element.
     pub root: Element,
-    /// Folders in which file names are looked up: the scene's own first, then those of `path` elements.
-    pub folders: Vec<PathBuf>,
+    /// Version of the scene file, included files aside.
+    pub version: Version,
+    /// Where files are looked up.
+    pub folders: Folders,
+    /// What the reader should know: one line each.
+    pub warnings: Vec<String>,
     /// Parameters given by the caller that the scene does not mention.
     pub unused_defines: Vec<String>,
 }
@@ -57,10 +75,22 @@ pub struct Document {
 pub fn read(path: &Path, defines: &[(String, String)]) -> Result<Document, LoadError> {
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     let values = defines.iter().map(|(name, value)| (name.clone(), Parameter { value: value.clone(), used: false }));
-    let mut reader = Reader { values: values.collect(), folders: vec![folder], stack: Vec::new(), includes: 0 };
+    let mut reader = Reader {
+        values: values.collect(),
+        folders: Folders(vec![folder]),
+        stack: Vec::new(),
+        includes: 0,
+        version: (3, 0),
+        warnings: Vec::new(),
+    };
     let root = reader.file(path)?;
+    if root.tag != "scene" {
+        return Err(root.error("not a Mitsuba scene: the outermost element must be <scene>"));
+    }
     let unused = defines.iter().map(|(name, _)| name).filter(|name| !reader.values[*name].used);
-    Ok(Document { root, unused_defines: unused.cloned().collect(), folders: reader.folders })
+    let unused_defines = unused.cloned().collect();
+    let Reader { version, folders, warnings, .. } = reader;
+    Ok(Document { root, version, folders, warnings, unused_defines })
 }
 
 struct Parameter {
@@ -70,26 +100,59 @@ struct Parameter {
 
 struct Reader {
     values: BTreeMap<String, Parameter>,
-    folders: Vec<PathBuf>,
+    folders: Folders,
     /// Files being read, canonical: the outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
+    /// Of the outermost file.
+    version: Version,
+    warnings: Vec<String>,
 }
 
 impl Reader {
     fn file(&mut self, path: &Path) -> Result<Element, LoadError> {
-        let bytes = read_file(path, MAX_FILE)?;
-        let text = String::from_utf8(bytes).map_err(|_| FileError::new(path, "not UTF-8 text"))?;
+        let text = text::decode(&read_file(path, MAX_FILE)?, path)?;
         let xml = roxmltree::Document::parse(&text).map_err(|e| FileError::at(path, e.pos().row as usize, e))?;
         let canonical = path.canonicalize().map_err(|e| FileError::new(path, e))?;
-        self.stack.push(canonical);
-        let source = Source { file: path.into(), text: &text, lines: line_starts(&text) };
-        let root = self.element(xml.root_element(), &source, 0)?;
-        self.stack.pop();
-        if root.tag != "scene" {
-            return Err(root.error("not a Mitsuba scene: the outermost element must be <scene>"));
+        let root = xml.root_element();
+        let mut source = Source { file: path.into(), text: &text, lines: line_starts(&text), version: self.version };
+        source.version = self.version(root, &source)?;
+        if self.stack.is_empty() {
+            self.version = source.version;
         }
+        self.stack.push(canonical);
+        let root = self.element(root, &source, 0)?;
+        self.stack.pop();
         Ok(root)
+    }
+
+    /// The version that a file states. One that states none has that of the file that includes it, or the one that its
+    /// spelling tells.
+    fn version(&mut self, root: roxmltree::Node, source: &Source) -> Result<Version, LoadError> {
+        let place = source.place(root);
+        let Some(text) = root.attribute("version") else {
+            if self.stack.is_empty() && root.tag_name().name() == "scene" {
+                self.version = spelling(root);
+                let (major, minor) = self.version;
+                self.warnings.push(format!("{place}: no version is given: read as version {major}.{minor}"));
+            }
+            return Ok(self.version);
+        };
+        let mut numbers = text.trim().split('.').map(|n| n.parse::<u32>().ok());
+        match (numbers.next().flatten(), numbers.next().flatten().unwrap_or(0)) {
+            (Some(0), minor @ 3..) => {
+                if minor == 3 && self.stack.is_empty() {
+                    let what = format!("{place}: version {} is read by Mitsuba's rules of upgrade", brief(text));
+                    self.warnings.push(what);
+                }
+                Ok((0, minor))
+            }
+            (Some(major @ (2 | 3)), minor) => Ok((major, minor)),
+            _ => {
+                let what = format!("version `{text}` (0.3 to 0.6, 2.x and 3.x are supported)");
+                Err(LoadError::Element { place, what })
+            }
+        }
     }
 
     fn element(&mut self, node: roxmltree::Node, source: &Source, depth: usize) -> Result<Element, LoadError> {
@@ -108,14 +171,19 @@ impl Reader {
             let child = self.element(child, source, depth + 1)?;
             match child.tag.as_str() {
                 "default" => self.default(&child)?,
-                "include" => element.children.extend(self.include(&child, source)?.children),
+                "include" => match self.include(&child, source)? {
+                    // Anything but a scene stands for itself.
+                    root if root.tag != "scene" => element.children.push(root),
+                    scene => element.children.extend(scene.children),
+                },
                 "path" => {
-                    let folder = source.folder().join(child.require("value")?);
-                    self.folders.push(folder);
+                    let folder = source.folder().join(child.require("value")?.replace('\\', "/"));
+                    self.folders.0.push(folder);
                 }
                 _ => element.children.push(child),
             }
         }
+        upgrade(&mut element, source.version);
         Ok(element)
     }
 
@@ -128,8 +196,8 @@ impl Reader {
     }
 
     fn include(&mut self, element: &Element, source: &Source) -> Result<Element, LoadError> {
-        let name = Path::new(element.require("filename")?);
-        let path = resolve(&self.folders, &source.file, name);
+        let name = element.require("filename")?;
+        let path = self.folders.resolve(&source.file, name);
         self.includes += 1;
         if self.includes > MAX_INCLUDES {
             return Err(element.error(format!("more than {MAX_INCLUDES} files included")));
@@ -138,46 +206,64 @@ impl Reader {
             return Err(element.error(format!("{} includes itself", path.display())));
         }
         self.file(&path).map_err(|e| match e {
-            LoadError::File(source) if source.line.is_none() => {
-                LoadError::Asset { place: element.place.clone(), source }
+            LoadError::File(error) if error.line.is_none() => {
+                let error = self.folders.advise(&source.file, name, error);
+                LoadError::Asset { place: element.place.clone(), error }
             }
             other => other,
         })
     }
 
-    /// Puts the values of parameters in place of `$name`.
+    /// Puts the values of parameters in place of `$name`, the longest name that is known first, as Mitsuba does: `$na`
+    /// is the value of `n` with an `a` after it where there is no `na`. `\$` is a dollar sign.
     fn substitute(&mut self, value: &str) -> Result<String, String> {
-        let mut parts = value.split('$');
-        let mut out = parts.next().unwrap_or_default().to_string();
-        for part in parts {
-            let end = part.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(part.len());
-            let (name, rest) = part.split_at(end);
-            let parameter = self.values.get_mut(name);
-            let parameter = parameter
-                .ok_or_else(|| format!("the parameter ${name} has no value: add a <default> or give -D {name}=…"))?;
+        let mut out = String::new();
+        let mut rest = value;
+        while let Some(at) = rest.find('$') {
+            let (before, after) = (&rest[..at], &rest[at + 1..]);
+            if let Some(before) = before.strip_suffix('\\') {
+                out += before;
+                out.push('$');
+                rest = after;
+                continue;
+            }
+            out += before;
+            let known = self.values.iter_mut().filter(|(name, _)| !name.is_empty() && after.starts_with(name.as_str()));
+            let Some((name, parameter)) = known.max_by_key(|(name, _)| name.len()) else {
+                let end = after.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(after.len());
+                let name = brief(&after[..end]);
+                return Err(format!("the parameter ${name} has no value: add a <default> or give -D {name}=…"));
+            };
             parameter.used = true;
             out += &parameter.value;
-            out += rest;
+            rest = &after[name.len()..];
             if out.len() > MAX_VALUE {
                 return Err(format!("the value grows beyond {MAX_VALUE} bytes"));
             }
         }
+        out += rest;
         Ok(out)
     }
 }
 
-/// `name` in the first of `folders` that holds it, or beside `file`, where it is named; the first folder if it is
-/// nowhere, so that the error names a sensible path.
-pub fn resolve(folders: &[PathBuf], file: &Path, name: &Path) -> PathBuf {
-    let beside = file.parent().map(Path::to_path_buf);
-    let mut candidates = folders.iter().chain(&beside).map(|f| f.join(name));
-    candidates.find(|p| p.exists()).unwrap_or_else(|| folders[0].join(name))
+/// The version that names tell: of elements that were renamed with 0.4, or camelCase, which version 2 gave up.
+fn spelling(root: roxmltree::Node) -> Version {
+    let elements = || root.descendants().filter(roxmltree::Node::is_element);
+    let camel = |name: &str| name.as_bytes().windows(2).any(|w| w[0].is_ascii_lowercase() && w[1].is_ascii_uppercase());
+    if elements().any(|e| matches!(e.tag_name().name(), "camera" | "luminaire")) {
+        (0, 3)
+    } else if elements().any(|e| camel(e.tag_name().name()) || e.attribute("name").is_some_and(camel)) {
+        (0, 6)
+    } else {
+        (3, 0)
+    }
 }
 
 struct Source<'a> {
     file: Arc<Path>,
     text: &'a str,
     lines: Vec<usize>,
+    version: Version,
 }
 
 fn line_starts(text: &str) -> Vec<usize> {
@@ -196,7 +282,7 @@ impl Source<'_> {
         let mut element = format!("<{}", node.tag_name().name());
         for name in ["type", "name", "id"] {
             if let Some(value) = node.attribute(name) {
-                element += &format!(" {name}=\"{}\"", value.chars().take(80).collect::<String>());
+                element += &format!(" {name}=\"{}\"", brief(value.chars().take(80).collect::<String>()));
             }
         }
         element.push('>');

@@ -1,0 +1,124 @@
+//! JSON to a document of the `gltf` crate, which is stricter than files are, and trusts what it has not checked.
+
+use crate::scene::load::error::FileError;
+use gltf::Document;
+use gltf::Semantic;
+use gltf::json::camera::Type as CameraType;
+use gltf::json::extensions::scene::khr_lights_punctual::Type as LightType;
+use gltf::json::validation::Checked;
+use gltf::json::{Root, image::MimeType};
+use serde::Deserialize;
+use serde_json::json;
+use std::path::Path;
+
+/// Extensions that are applied.
+pub const SUPPORTED: [&str; 6] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_texture_transform",
+];
+
+/// What tells the version, whatever else a file of another one holds.
+#[derive(Deserialize)]
+struct Head {
+    asset: Asset,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+/// A document in which every index that is followed exists, and the number of animations, which are left out of it.
+pub fn parse(text: &str, path: &Path) -> Result<(Document, usize), FileError> {
+    let error = |what: String| FileError::new(path, what);
+    if let Ok(head) = serde_json::from_str::<Head>(text)
+        && !head.asset.version.trim().starts_with("2.")
+    {
+        return Err(error(format!("glTF of version {}: only 2.x is read", head.asset.version)));
+    }
+    let (mut json, animations) = root(text).map_err(|e| FileError::at(path, e.line(), e))?;
+    for extension in &json.extensions_required {
+        if !SUPPORTED.contains(&extension.as_str()) {
+            return Err(error(format!("the extension {extension} is required, but not supported")));
+        }
+    }
+    repair(&mut json);
+    check(&json).map_err(error)?;
+    let document = Document::from_json(json).map_err(|e| error(e.to_string()))?;
+    Ok((document, animations))
+}
+
+/// The JSON without its animations, and their number. Nothing moves, so that one which the crate does not understand (of
+/// what an extension animates) is no reason to refuse the picture.
+fn root(text: &str) -> Result<(Root, usize), serde_json::Error> {
+    serde_json::from_str::<Root>(text)
+        .map(|mut root| {
+            let animations = std::mem::take(&mut root.animations).len();
+            (root, animations)
+        })
+        .or_else(|error| {
+            let mut value: serde_json::Value = serde_json::from_str(text)?;
+            let animations = value.as_object_mut().and_then(|root| root.remove("animations")).ok_or(error)?;
+            Ok((serde_json::from_value(value)?, animations.as_array().map_or(0, Vec::len)))
+        })
+}
+
+/// Gives what the specification asks for and no picture needs.
+fn repair(json: &mut Root) {
+    let position = Checked::Valid(Semantic::Positions);
+    for primitive in json.meshes.iter_mut().flat_map(|m| &mut m.primitives) {
+        // Attributes of an application must have names with an underscore, and often have not.
+        primitive.attributes.retain(|semantic, _| *semantic != Checked::Invalid);
+        let accessor = primitive.attributes.get(&position).and_then(|a| json.accessors.get_mut(a.value()));
+        if let Some(accessor) = accessor {
+            // Bounds are measured, not believed.
+            (accessor.min, accessor.max) = (Some(json!([0.0, 0.0, 0.0])), Some(json!([0.0, 0.0, 0.0])));
+        }
+    }
+    for image in json.images.iter_mut().filter(|i| i.buffer_view.is_some() && i.mime_type.is_none()) {
+        // The first bytes of an image tell what it is.
+        image.mime_type = Some(MimeType("image/png".into()));
+    }
+}
+
+/// What the crate's own validation leaves out, and its accessors rely on.
+fn check(json: &Root) -> Result<(), String> {
+    let position = Checked::Valid(Semantic::Positions);
+    for primitive in json.meshes.iter().flat_map(|m| &m.primitives) {
+        if primitive.attributes.get(&position).is_some_and(|a| a.value() >= json.accessors.len()) {
+            return Err("a primitive refers to a missing accessor".into());
+        }
+    }
+    for (i, image) in json.images.iter().enumerate() {
+        if image.buffer_view.is_none() && image.uri.is_none() {
+            return Err(format!("image {i}: neither a file nor a buffer view"));
+        }
+    }
+    for (i, camera) in json.cameras.iter().enumerate() {
+        let whole = match camera.type_ {
+            Checked::Valid(CameraType::Perspective) => camera.perspective.is_some(),
+            Checked::Valid(CameraType::Orthographic) => camera.orthographic.is_some(),
+            Checked::Invalid => true,
+        };
+        if !whole {
+            return Err(format!("camera {i}: its projection is missing"));
+        }
+    }
+    let lights = json.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()).map(|l| &l.lights);
+    for (i, light) in lights.into_iter().flatten().enumerate() {
+        if light.type_ == Checked::Valid(LightType::Spot) && light.spot.is_none() {
+            return Err(format!("light {i}: its cones are missing"));
+        }
+    }
+    for (i, node) in json.nodes.iter().enumerate() {
+        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        if light.is_some_and(|l| l.light.value() >= lights.map_or(0, Vec::len)) {
+            return Err(format!("node {i}: its light is missing"));
+        }
+    }
+    Ok(())
+}
