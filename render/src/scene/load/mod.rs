@@ -4,7 +4,9 @@ mod color;
 mod error;
 mod gltf;
 mod image;
-mod mesh;
+/// The readers of mesh files, for fuzzing.
+#[doc(hidden)]
+pub mod mesh;
 mod mitsuba;
 mod similarity;
 
