@@ -5,7 +5,9 @@ mod error;
 mod files;
 mod gltf;
 mod image;
-mod mesh;
+/// The readers of mesh files, for fuzzing.
+#[doc(hidden)]
+pub mod mesh;
 mod mitsuba;
 mod similarity;
 mod text;

@@ -1,16 +1,46 @@
 //! Triangle meshes from files, and what every mesh goes through before it enters a scene.
 
+mod corners;
 pub mod obj;
 pub mod ply;
+mod polygon;
 pub mod serialized;
+mod text;
 
 use super::error::FileError;
 use crate::scene::Mesh;
-use glam::{Affine3A, DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use std::path::Path;
 
 /// Larger coordinates overflow the squared areas that single precision computes with.
 pub const MAX_COORDINATE: f32 = 1e9;
+
+/// A mesh as it stands in its file; normals may have any length, and zero where a vertex has none.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Whether the file asks for flat shading.
+    pub face_normals: bool,
+    /// What the file holds and the mesh does not, one line each.
+    pub warnings: Vec<String>,
+}
+
+impl Parsed {
+    /// Puts zero in place of normals and texture coordinates that are not finite, and says so.
+    fn new(mut mesh: Mesh, warnings: impl IntoIterator<Item = String>) -> Self {
+        let mut warnings: Vec<_> = warnings.into_iter().collect();
+        let bad = mesh.normals.iter_mut().filter(|n| !n.is_finite()).map(|n| *n = Vec3::ZERO).count();
+        if bad > 0 {
+            warnings.push(format!("{bad} vertex normals are not finite: made from the faces instead"));
+        }
+        let bad = mesh.uvs.iter_mut().filter(|t| !t.is_finite()).map(|t| *t = Vec2::ZERO).count();
+        if bad > 0 {
+            warnings.push(format!("{bad} texture coordinates are not finite: 0 instead"));
+        }
+        Self { mesh, face_normals: false, warnings }
+    }
+}
 
 /// What the scene file asks of a mesh.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,6 +63,7 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
         let what = format!("triangle {i} refers to vertices {t:?}, but there are only {count}");
         return Err(FileError::new(path, what));
     }
+    settle_strays(&mut mesh);
     check_positions(&mesh).map_err(|what| FileError::new(path, what))?;
     if finish.face_normals {
         mesh.normals.clear();
@@ -41,6 +72,7 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     if finish.flip_normals {
         mesh = mesh.flipped();
     }
+    settle_strays(&mut mesh);
     check_positions(&mesh).map_err(|what| FileError::new(path, what))?;
     for (what, bad) in [
         ("normal", mesh.normals.iter().position(|n| !n.is_finite())),
@@ -62,9 +94,26 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     Ok((mesh, dropped))
 }
 
+/// Finite, and near enough to compute with.
+fn usable(p: &Vec3) -> bool {
+    p.is_finite() && p.abs().max_element() <= MAX_COORDINATE
+}
+
+/// Moves vertices that no triangle has and that cannot be used (scanners mark what they did not see so) to one that can.
+fn settle_strays(mesh: &mut Mesh) {
+    if mesh.positions.iter().all(usable) {
+        return;
+    }
+    let mut referred = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&i| referred[i as usize] = true);
+    let home = mesh.triangles.first().map_or(Vec3::ZERO, |t| mesh.positions[t[0] as usize]);
+    for (p, _) in mesh.positions.iter_mut().zip(referred).filter(|(p, referred)| !referred && !usable(p)) {
+        *p = home;
+    }
+}
+
 /// Refuses vertices that are not finite or too far away to compute with.
 pub fn check_positions(mesh: &Mesh) -> Result<(), String> {
-    let usable = |p: &Vec3| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE;
     let Some(i) = mesh.positions.iter().position(|p| !usable(p)) else { return Ok(()) };
     Err(format!("vertex {i} lies at {}: not finite, or beyond {MAX_COORDINATE:e}", mesh.positions[i]))
 }
@@ -89,23 +138,19 @@ pub fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
     sums.into_iter().map(|n| n.normalize_or(Vec3::Z)).collect()
 }
 
-/// Turns triangles so that they face as their vertex normals do; vertices with a normal of length zero take a face's.
+/// Turns triangles so that they face as their vertex normals do; vertices with a normal of length zero take their
+/// faces'.
 fn agree_with_normals(mesh: &mut Mesh) {
     let Mesh { triangles, positions, normals, .. } = mesh;
     for t in triangles {
-        let face = area_vector(positions, t).normalize_or_zero().as_vec3();
         let sum: Vec3 = t.iter().map(|&i| normals[i as usize]).sum();
-        let face = if face.dot(sum) < 0.0 {
+        if area_vector(positions, t).dot(sum.as_dvec3()) < 0.0 {
             t.swap(1, 2);
-            -face
-        } else {
-            face
-        };
-        for &i in t.iter() {
-            if normals[i as usize] == Vec3::ZERO {
-                normals[i as usize] = face;
-            }
         }
     }
-    normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
+    if mesh.normals.contains(&Vec3::ZERO) {
+        let made = smooth_normals(mesh);
+        mesh.normals.iter_mut().zip(made).filter(|(n, _)| **n == Vec3::ZERO).for_each(|(n, made)| *n = made);
+    }
+    mesh.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
 }

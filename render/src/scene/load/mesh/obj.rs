@@ -1,63 +1,72 @@
 //! Wavefront OBJ: `v`, `vt`, `vn` and polygonal `f`; groups and materials are ignored, as the scene file assigns them.
 //!
-//! Our own reader because errors must name the line.
+//! Our own reader because errors must name the line, and because files hold what the format does not allow.
 
+use super::Parsed;
+use super::corners::Corners;
+use super::polygon::Splitter;
+use super::text::{Lines, integer, number, quote, skip_mark, words};
 use crate::scene::{Mesh, load::error::FileError};
 use glam::{Vec2, Vec3};
 use std::path::Path;
 
 /// Parses the bytes of an OBJ file; `path` serves error messages only.
 ///
-/// Corners that agree in position, texture coordinate and normal share a vertex. Polygons become fans. `v` of texture
-/// coordinates is turned over (OBJ has its origin at the bottom, this crate at the top) unless `keep_v`.
-pub fn parse(bytes: &[u8], path: &Path, keep_v: bool) -> Result<Mesh, FileError> {
+/// Corners that agree in position, texture coordinate and normal share a vertex. Names and comments may hold any bytes.
+/// A corner without texture coordinates, in a file that has some, gets (0, 0), one without a normal a zero vector.
+/// `v` of texture coordinates is turned over (OBJ has its origin at the bottom, this crate at the top) unless `keep_v`.
+///
+/// # Errors
+/// Numbers and indices that are none, naming the line; a file of something else.
+pub fn parse(bytes: &[u8], path: &Path, keep_v: bool) -> Result<Parsed, FileError> {
     let mut source = Source::default();
-    let mut mesh = Mesh::default();
-    let mut corners = Corners::default();
-    let mut fan = Vec::new();
-    for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
-        let error = |what: String| FileError::at(path, number + 1, what);
-        let line = str::from_utf8(line).map_err(|_| error("not UTF-8 text".into()))?;
-        let mut words = line.split_ascii_whitespace();
-        match words.next() {
-            Some("v") => source.positions.push(Vec3::from(floats(words).map_err(error)?)),
-            Some("vn") => source.normals.push(Vec3::from(floats(words).map_err(error)?)),
-            Some("vt") => {
-                let [u, v] = floats(words).map_err(error)?;
+    let mut built = Builder::default();
+    let mut ignored = Ignored::default();
+    let mut is_obj = None;
+    for (number, line) in Lines::new(skip_mark(bytes, path)?) {
+        let error = |what: String| FileError::at(path, number, what);
+        let mut words = words(&line);
+        let Some(word) = words.next().filter(|w| !w.starts_with(b"#")) else { continue };
+        match word {
+            b"v" => source.positions.push(source.position(words).map_err(error)?),
+            b"vn" => source.normals.push(Vec3::from(floats(words, 3).map_err(error)?)),
+            b"vt" => {
+                let [u, v] = floats(words, 1).map_err(error)?;
                 source.uvs.push(Vec2::new(u, if keep_v { v } else { 1.0 - v }));
             }
-            Some("f") => {
-                fan.clear();
-                for word in words.take_while(|w| !w.starts_with('#')) {
+            b"f" => {
+                built.face.clear();
+                for word in words.take_while(|w| !w.starts_with(b"#")) {
                     let corner = source.corner(word).map_err(error)?;
-                    fan.push(corners.vertex(corner, &source, &mut mesh));
+                    built.corner(corner, &source);
                 }
-                if fan.len() < 3 {
-                    return Err(error(format!("a face of {} corners", fan.len())));
-                }
-                mesh.triangles.extend(fan[1..].windows(2).map(|w| [fan[0], w[0], w[1]]));
+                built.close_face();
             }
-            _ => {}
+            other if ignored.count(other) => {}
+            _ => {
+                is_obj.get_or_insert(false);
+                continue;
+            }
         }
+        is_obj = Some(true);
     }
-    // A face without normals (or coordinates) in a file that has them elsewhere leaves a hole that cannot be filled.
-    for (attribute, name) in [(&mut mesh.normals.len(), "normals"), (&mut mesh.uvs.len(), "texture coordinates")] {
-        if *attribute != 0 && *attribute != mesh.positions.len() {
-            return Err(FileError::new(path, format_args!("some faces have {name} and some have not")));
-        }
+    if is_obj == Some(false) {
+        return Err(FileError::new(path, "not an OBJ file: no line begins with a word of the format"));
     }
-    Ok(mesh)
+    Ok(built.finish(ignored))
 }
 
-/// The first `N` numbers of a line; all must be finite.
-fn floats<'a, const N: usize>(mut words: impl Iterator<Item = &'a str>) -> Result<[f32; N], String> {
+/// The first `N` numbers of a line, of which `needed` must be there; the others are 0 where they are not.
+fn floats<'a, const N: usize>(mut words: impl Iterator<Item = &'a [u8]>, needed: usize) -> Result<[f32; N], String> {
     let mut out = [0.0; N];
     for (i, value) in out.iter_mut().enumerate() {
-        let word = words.next().ok_or_else(|| format!("expected {N} numbers, found {i}"))?;
-        *value = word.parse::<f32>().map_err(|_| format!("`{word}` is not a number"))?;
-        if !value.is_finite() {
-            return Err(format!("`{word}` is not finite"));
-        }
+        let Some(word) = words.next().filter(|w| i < needed || !w.starts_with(b"#")) else {
+            if i < needed {
+                return Err(format!("expected {needed} numbers, found {i}"));
+            }
+            break;
+        };
+        *value = number(word).ok_or_else(|| format!("{} is not a number", quote(word)))?;
     }
     Ok(out)
 }
@@ -74,9 +83,18 @@ struct Source {
 type Corner = (u32, Option<u32>, Option<u32>);
 
 impl Source {
+    /// The position of a line `v`; behind it there may be a weight or a colour.
+    fn position<'a>(&self, words: impl Iterator<Item = &'a [u8]>) -> Result<Vec3, String> {
+        let position = Vec3::from(floats(words, 3)?);
+        if !position.is_finite() {
+            return Err(format!("vertex {} lies at {position}: not finite", self.positions.len() + 1));
+        }
+        Ok(position)
+    }
+
     /// Parses `p`, `p/t`, `p//n` or `p/t/n`; negative indices count from the end.
-    fn corner(&self, word: &str) -> Result<Corner, String> {
-        let mut fields = word.split('/');
+    fn corner(&self, word: &[u8]) -> Result<Corner, String> {
+        let mut fields = word.split(|&b| b == b'/');
         let position = index(fields.next().unwrap_or_default(), self.positions.len(), "vertex")?;
         let uv = fields.next().filter(|f| !f.is_empty()).map(|f| index(f, self.uvs.len(), "texture coordinate"));
         let normal = fields.next().filter(|f| !f.is_empty()).map(|f| index(f, self.normals.len(), "normal"));
@@ -84,8 +102,8 @@ impl Source {
     }
 }
 
-fn index(field: &str, count: usize, what: &str) -> Result<u32, String> {
-    let written: i64 = field.parse().map_err(|_| format!("`{field}` is not an index"))?;
+fn index(field: &[u8], count: usize, what: &str) -> Result<u32, String> {
+    let written = integer(field).ok_or_else(|| format!("{} is not an index", quote(field)))?;
     let zero_based = if written < 0 { written + count as i64 } else { written - 1 };
     if !(0..count as i64).contains(&zero_based) {
         return Err(format!("{what} {written} is out of range: {count} given so far"));
@@ -93,36 +111,80 @@ fn index(field: &str, count: usize, what: &str) -> Result<u32, String> {
     u32::try_from(zero_based).map_err(|_| format!("{what} {written} does not fit 32 bits"))
 }
 
-/// Vertices already made, chained by position: `first[p]` heads the list of the vertices at position `p`.
+/// The mesh as far as its faces are read.
 #[derive(Default)]
-struct Corners {
-    first: Vec<u32>,
-    next: Vec<u32>,
-    key: Vec<(Option<u32>, Option<u32>)>,
+struct Builder {
+    mesh: Mesh,
+    corners: Corners<(Option<u32>, Option<u32>)>,
+    splitter: Splitter,
+    /// Vertices of the face being read.
+    face: Vec<u32>,
+    small_faces: usize,
 }
 
-const END: u32 = u32::MAX;
+impl Builder {
+    fn corner(&mut self, (position, uv, normal): Corner, source: &Source) {
+        let (vertex, new) = self.corners.vertex(position, (uv, normal));
+        self.face.push(vertex);
+        if !new {
+            return;
+        }
+        let Mesh { positions, uvs, normals, .. } = &mut self.mesh;
+        // Attributes begin with the first corner that has one: those before it have none.
+        if let Some(i) = uv {
+            uvs.resize(positions.len(), Vec2::ZERO);
+            uvs.push(source.uvs[i as usize]);
+        }
+        if let Some(i) = normal {
+            normals.resize(positions.len(), Vec3::ZERO);
+            normals.push(source.normals[i as usize]);
+        }
+        positions.push(source.positions[position as usize]);
+    }
 
-impl Corners {
-    fn vertex(&mut self, (position, uv, normal): Corner, source: &Source, mesh: &mut Mesh) -> u32 {
-        if self.first.len() < source.positions.len() {
-            self.first.resize(source.positions.len(), END);
+    fn close_face(&mut self) {
+        if self.face.len() < 3 {
+            self.small_faces += 1;
+        } else {
+            self.splitter.split(&self.face, &self.mesh.positions, &mut self.mesh.triangles);
         }
-        let head = self.first[position as usize];
-        let mut vertex = head;
-        while vertex != END {
-            if self.key[vertex as usize] == (uv, normal) {
-                return vertex;
-            }
-            vertex = self.next[vertex as usize];
+    }
+
+    fn finish(mut self, ignored: Ignored) -> Parsed {
+        let count = self.mesh.positions.len();
+        if !self.mesh.uvs.is_empty() {
+            self.mesh.uvs.resize(count, Vec2::ZERO);
         }
-        let new = self.key.len() as u32;
-        self.key.push((uv, normal));
-        self.next.push(head);
-        self.first[position as usize] = new;
-        mesh.positions.push(source.positions[position as usize]);
-        mesh.uvs.extend(uv.map(|i| source.uvs[i as usize]));
-        mesh.normals.extend(normal.map(|i| source.normals[i as usize]));
-        new
+        if !self.mesh.normals.is_empty() {
+            self.mesh.normals.resize(count, Vec3::ZERO);
+        }
+        let small = (self.small_faces > 0)
+            .then(|| format!("{} faces of fewer than three corners are not drawn", self.small_faces));
+        Parsed::new(self.mesh, small.into_iter().chain(self.splitter.warning()).chain(ignored.warning()))
+    }
+}
+
+/// Statements of the format that are not drawn.
+#[derive(Default)]
+struct Ignored {
+    elements: Vec<(&'static str, usize)>,
+}
+
+impl Ignored {
+    /// Whether the word is of the format; elements that would be seen are counted.
+    fn count(&mut self, word: &[u8]) -> bool {
+        const ELEMENTS: [&str; 5] = ["l", "p", "curv", "curv2", "surf"];
+        const OTHERS: [&[u8]; 6] = [b"g", b"o", b"s", b"usemtl", b"mtllib", b"vp"];
+        let Some(name) = ELEMENTS.iter().find(|name| name.as_bytes() == word) else { return OTHERS.contains(&word) };
+        match self.elements.iter_mut().find(|(known, _)| known == name) {
+            Some((_, count)) => *count += 1,
+            None => self.elements.push((name, 1)),
+        }
+        true
+    }
+
+    fn warning(&self) -> Option<String> {
+        let list: Vec<_> = self.elements.iter().map(|(name, count)| format!("{count} `{name}`")).collect();
+        (!list.is_empty()).then(|| format!("lines, points and free-form surfaces are not drawn: {}", list.join(", ")))
     }
 }

@@ -5,10 +5,11 @@
 //! indices as `u32`. The file ends with the offset of every mesh (`u32` in version 3, `u64` in version 4) and their
 //! number as `u32`.
 
+use super::Parsed;
 use crate::scene::{Mesh, load::error::FileError};
 use flate2::bufread::ZlibDecoder;
 use glam::{Vec2, Vec3};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 const MAGIC: u16 = 0x041C;
@@ -23,11 +24,15 @@ const MAX_RATIO: u64 = 256;
 /// Small streams may compress well.
 const FREE_BYTES: u64 = 1 << 24;
 
-/// Parses mesh `index` of the file and says whether it asks for flat shading; `path` serves error messages only.
-pub fn parse(file: &[u8], index: usize, path: &Path) -> Result<(Mesh, bool), FileError> {
+/// Parses mesh `index` of the file; `path` serves error messages only.
+///
+/// # Errors
+/// No such mesh; truncated or damaged data, by the stream's checksum too; sizes that the data cannot have.
+pub fn parse(file: &[u8], index: usize, path: &Path) -> Result<Parsed, FileError> {
     let error = |what: String| FileError::new(path, what);
     let (version, stream) = locate(file, index).map_err(error)?;
-    mesh(version, stream).map_err(|what| error(format!("mesh {index}: {what}")))
+    let (mesh, face_normals) = mesh(version, stream).map_err(|what| error(format!("mesh {index}: {what}")))?;
+    Ok(Parsed { face_normals, ..Parsed::new(mesh, []) })
 }
 
 /// Version and zlib stream of mesh `index`.
@@ -55,10 +60,14 @@ fn locate(file: &[u8], index: usize) -> Result<(u16, &[u8]), String> {
         bytes[..width].copy_from_slice(&file[table + i * width..][..width]);
         usize::try_from(u64::from_le_bytes(bytes)).unwrap_or(usize::MAX)
     };
+    // A stream says itself where it ends, and the table need not be in the order of the file.
     let start = offset(index);
-    let end = if index + 1 < count { offset(index + 1) } else { table };
-    let stream = file.get(start..end.min(table)).and_then(|mesh| mesh.get(4..));
-    stream.map(|s| (version, s)).ok_or_else(|| format!("offset {start} of mesh {index} is outside the file"))
+    let mesh = file.get(start..table).filter(|mesh| mesh.len() >= 4);
+    let mesh = mesh.ok_or_else(|| format!("offset {start} of mesh {index} is outside the file"))?;
+    if mesh[..4] != file[..4] {
+        return Err(format!("offset {start} of mesh {index} is not the start of a mesh"));
+    }
+    Ok((version, &mesh[4..]))
 }
 
 /// Decompresses and reads one mesh.
@@ -92,6 +101,11 @@ fn mesh(version: u16, stream: &[u8]) -> Result<(Mesh, bool), String> {
         vectors(&mut input, vertices, double, |_: [f32; 3]| ())?;
     }
     out.triangles = values(&mut input, 3 * triangles, u32::from_le_bytes)?.as_chunks().0.to_vec();
+    // The checksum stands behind the data. A stream that its writer did not close has none.
+    match io::copy(&mut input, &mut io::sink()) {
+        Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => return Err(format!("damaged: {e}")),
+        _ => {}
+    }
     Ok((out, flags & FACE_NORMALS != 0))
 }
 

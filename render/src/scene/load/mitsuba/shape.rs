@@ -4,7 +4,7 @@ use super::Builder;
 use super::object::Object;
 use super::objects::ObjectId;
 use crate::scene::load::error::{FileError, LoadError, Place, read_file};
-use crate::scene::load::mesh::{Finish, MAX_COORDINATE, check_positions, finish, obj, ply, serialized};
+use crate::scene::load::mesh::{Finish, MAX_COORDINATE, Parsed, check_positions, finish, obj, ply, serialized};
 use crate::scene::load::similarity::similarity;
 use crate::scene::{
     AreaEmitter, ColorTexture, Geometry, Group, Instance, Material, MaterialId, Mesh, Rgb, Shape, Sphere,
@@ -74,10 +74,10 @@ impl Builder<'_> {
         let done: Vec<_> = pending.into_par_iter().map(|(id, p)| (id, p.finish())).collect();
         let mut shapes = Vec::new();
         for (id, result) in done {
-            let (shape, dropped) = result?;
+            let (shape, warnings) = result?;
             let object = &objects[id];
-            if dropped > 0 {
-                self.warn(object, format_args!("{dropped} triangles without area are not drawn"));
+            for warning in warnings {
+                self.warn(object, warning);
             }
             if matches!(&shape.geometry, Geometry::Mesh(m) if m.triangles.is_empty()) {
                 self.warn(object, "the mesh has no triangles: nothing is drawn");
@@ -236,32 +236,32 @@ fn sphere(object: &Object, inward: bool) -> Result<Sphere, LoadError> {
 }
 
 impl Pending {
-    /// Parses the file; the number counts dropped triangles.
-    fn finish(self) -> Result<(Shape, usize), LoadError> {
-        let (geometry, dropped) = match self.source {
-            Source::Ready(geometry) => (geometry, 0),
+    /// Parses the file; returns also what is to be said about it.
+    fn finish(self) -> Result<(Shape, Vec<String>), LoadError> {
+        let (geometry, warnings) = match self.source {
+            Source::Ready(geometry) => (geometry, Vec::new()),
             Source::File(file) => {
-                let (mesh, dropped) =
+                let (mesh, warnings) =
                     file.parse().map_err(|error| LoadError::Asset { place: file.place.clone(), error })?;
                 (Geometry::Mesh(mesh), dropped)
             }
         };
-        Ok((Shape { geometry, material: self.material, emitter: self.emitter }, dropped))
+        Ok((Shape { geometry, material: self.material, emitter: self.emitter }, warnings))
     }
 }
 
 impl MeshFile {
-    fn parse(&self) -> Result<(Mesh, usize), FileError> {
-        let mut how = self.finish;
-        let mesh = match self.format {
+    fn parse(&self) -> Result<(Mesh, Vec<String>), FileError> {
+        let Parsed { mesh, face_normals, mut warnings } = match self.format {
             Format::Obj { keep_v } => obj::parse(&self.bytes, &self.path, keep_v)?,
             Format::Ply { turn_v } => ply::parse(&self.bytes, &self.path, turn_v)?,
-            Format::Serialized { index } => {
-                let (mesh, face_normals) = serialized::parse(&self.bytes, index, &self.path)?;
-                how.face_normals |= face_normals;
-                mesh
-            }
+            Format::Serialized { index } => serialized::parse(&self.bytes, index, &self.path)?,
         };
-        finish(mesh, how, &self.path)
+        let how = Finish { face_normals: self.finish.face_normals || face_normals, ..self.finish };
+        let (mesh, dropped) = finish(mesh, how, &self.path)?;
+        if dropped > 0 {
+            warnings.push(format!("{dropped} triangles without area are not drawn"));
+        }
+        Ok((mesh, warnings))
     }
 }
