@@ -130,7 +130,7 @@ fn what_can_be_written_is_written() {
     // A limit of the shell on the size of files, in blocks of 512 or 1024 bytes: the picture is larger, the figures are not.
     let binary = assert_cmd::cargo::cargo_bin("render");
     let script = format!(
-        "ulimit -f 1; exec {} image scene.xml --spp 1 --width 64 -o large.exr --stats small.json",
+        "ulimit -f 4; exec {} image scene.xml --spp 1 --width 128 -o large.exr --stats small.json",
         binary.display()
     );
     let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(f.folder.path()).output().unwrap();

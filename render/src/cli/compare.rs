@@ -85,9 +85,6 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);
     let place = || format!("{} and {}", args.image.display(), args.reference.display());
     let figures = compare(&image, &reference).with_context(place)?;
-    if let Some(path) = &args.false_color {
-        write_png(path, &false_color(&image, &reference).with_context(place)?)?;
-    }
     let z_test = if args.z_test { Some(judge(args, &image, &reference)?) } else { None };
     let text = if args.json {
         serde_json::to_string(&Report {
@@ -112,6 +109,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => return Err(e).context("standard output"),
         _ => {}
+    }
+    // After the figures: they do not depend on whether this file can be written.
+    if let Some(path) = &args.false_color {
+        write_png(path, &false_color(&image, &reference).with_context(place)?)?;
     }
     let failed = args.fail_above.is_some_and(|limit| figures.rel_mse > limit) || z_test.is_some_and(|z| !z.passed());
     Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })

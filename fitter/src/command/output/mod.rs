@@ -43,9 +43,9 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
 }
 
 fn replace(target: &Path, old: Option<fs::Metadata>, bytes: &[u8]) -> io::Result<()> {
-    let mut file = temporary(folder_of(target))?;
+    let file = temporary(folder_of(target))?;
     let _pending = Pending::new(file.path());
-    file.write_all(bytes)?;
+    file.as_file().write_all(bytes)?;
     if let Some(old) = old {
         file.as_file().set_permissions(old.permissions())?;
     }

@@ -152,7 +152,7 @@ fn changed(encoding: &Value, at: &str) -> Scene {
     let candidates = match encoding.pointer(at).unwrap() {
         Value::Bool(x) => vec![Value::Bool(!x)],
         Value::Number(x) if x.is_f64() => vec![(x.as_f64().unwrap() + 0.125).into()],
-        Value::Number(x) => vec![(x.as_u64().unwrap() - 1).into(), (x.as_u64().unwrap() + 1).into()],
+        Value::Number(x) => vec![x.as_u64().unwrap().wrapping_sub(1).into(), (x.as_u64().unwrap() + 1).into()],
         Value::String(name) if at.starts_with("/material_names") => vec![Value::String(name.clone() + "s")],
         other => words().into_iter().map(Value::from).filter(|v| v != other).collect(),
     };
