@@ -100,9 +100,23 @@ fn from_file(file: &str) -> Result<Material, RecipeError> {
     if metadata.len() > MAX_BYTES {
         return Err(RecipeError::TooLong { file: file.into() });
     }
-    let mut text = String::new();
-    std::fs::File::open(file).and_then(|f| f.take(MAX_BYTES).read_to_string(&mut text)).map_err(read)?;
-    parse(&text, &|line| Place { source: file.into(), line, inline: false })
+    let mut bytes = Vec::new();
+    std::fs::File::open(file).and_then(|f| f.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(read)?;
+    from_bytes(file, &bytes)
+}
+
+/// The material of the bytes of a TOML recipe; `file` is its name in messages. A byte order mark is skipped.
+///
+/// # Errors
+/// The recipe is bad; the message is one line that names the place and the accepted keys.
+pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Material, RecipeError> {
+    let place = |line| Place { source: file.into(), line, inline: false };
+    let bytes = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
+    let text = core::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        RecipeError::Syntax { place: place(Some(line)), message: "not UTF-8 text".into() }
+    })?;
+    parse(text, &place)
 }
 
 /// The material of an inline recipe.
@@ -169,7 +183,11 @@ fn parse(text: &str, place: &dyn Fn(Option<usize>) -> Place) -> Result<Material,
     let model = model.get_ref().as_str().ok_or_else(|| {
         refuse(Some("model"), MaterialError::Kind { key: "model", expected: "a string".into() }, models)
     })?;
-    let keys = keys(model).map_err(|e| refuse(Some("model"), e, models))?;
+    let keys = keys(model).map_err(|error| match error {
+        MaterialError::Model { name } => MaterialError::Model { name: shortened(&name) },
+        error => error,
+    });
+    let keys = keys.map_err(|e| refuse(Some("model"), e, models))?;
     let accepted = format!("{model} takes {}", keys.iter().map(|key| key.name).collect::<Vec<_>>().join(", "));
 
     // Each value must have the type of its key.
@@ -181,7 +199,7 @@ fn parse(text: &str, place: &dyn Fn(Option<usize>) -> Place) -> Result<Material,
         }
         let key = keys.iter().find(|key| key.name == name).ok_or_else(|| RecipeError::UnknownKey {
             place: place(line_of(name)),
-            key: name.into(),
+            key: shortened(name),
             accepted: accepted.clone(),
         })?;
         let value = convert(key, value.get_ref()).ok_or_else(|| {
@@ -190,6 +208,12 @@ fn parse(text: &str, place: &dyn Fn(Option<usize>) -> Place) -> Result<Material,
         values.0.push((key.name, value));
     }
     Material::from_values(model, &values).map_err(|e| refuse(e.key(), e, &accepted))
+}
+
+/// The start of what a file says, for a message.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 40;
+    if text.chars().count() <= MOST { text.into() } else { text.chars().take(MOST).chain(['…']).collect() }
 }
 
 /// A TOML value as the type of its key; `None` for another type.

@@ -12,6 +12,7 @@ pub mod inspect;
 pub mod integrator;
 pub mod light;
 mod math;
+pub mod memory;
 pub mod metric;
 pub mod ray;
 pub mod record;

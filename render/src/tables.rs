@@ -4,6 +4,7 @@ use brdf_tables::brdf::Value;
 use brdf_tables::format::{FormatError, VERSION};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
+use fitter::command::output::{self, OutputError};
 use fitter::fit::{Choice, FitError, Options, TOLERANCE, fit};
 use fitter::solver::SolverKind;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,9 @@ pub enum TableError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A table cannot be kept.
+    #[error("{0}; name another folder with --tables")]
+    Output(#[from] OutputError),
     /// A file of the folder is not a table.
     #[error("{path}: {source}; remove the file, or fit it again with `fitter fit`")]
     Format {
@@ -91,8 +95,11 @@ impl Tables {
         if let Some(table) = self.known.iter().find(|t| same(&t.header.material, recipe)) {
             return Ok(table.clone());
         }
+        if let Some(folder) = &self.folder {
+            output::check_folder(folder)?;
+        }
         let start = Instant::now();
-        let text = recipe.recipe_text();
+        let text = text(recipe);
         let options = Options {
             representation: Choice::Auto,
             solver: SolverKind::LevenbergMarquardt,
@@ -109,7 +116,9 @@ impl Tables {
             std::fs::create_dir_all(folder)
                 .map_err(|source| TableError::Io { path: folder.display().to_string(), source })?;
             let path = folder.join(file_name(&text));
-            table.save(&path).map_err(|source| TableError::Format { path: path.display().to_string(), source })?;
+            let bytes =
+                table.to_bytes().map_err(|source| TableError::Format { path: path.display().to_string(), source })?;
+            output::write(&path, &bytes)?;
             note += &format!(", kept as {}", path.display());
         }
         self.notes.push(note);
@@ -140,6 +149,12 @@ fn same(a: &Recipe, b: &Recipe) -> bool {
         }
         (a, b) => a == b,
     }
+}
+
+/// The recipe as a person would write it: without the strengths, which a table does not depend on.
+fn text(recipe: &Recipe) -> String {
+    let text = recipe.recipe_text();
+    text.strip_suffix(",ks=1,kd=0").map(str::to_owned).unwrap_or(text)
 }
 
 /// A file name from a recipe: its letters and digits.
@@ -199,7 +214,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
         let table = Tables::open(folder.path()).unwrap().find(&recipe).unwrap();
-        let path = folder.path().join(file_name(&recipe.recipe_text()));
+        let path = folder.path().join(file_name(&text(&recipe)));
         let mut bytes = std::fs::read(&path).unwrap();
         bytes[8..12].copy_from_slice(&(VERSION - 1).to_le_bytes());
         std::fs::write(&path, &bytes).unwrap();
@@ -211,6 +226,9 @@ mod tests {
 
     #[test]
     fn names_are_plain() {
-        assert_eq!(file_name("phong:exponent=100,ks=1,kd=0"), "phong-exponent-100-ks-1-kd-0.tbl");
+        let phong = Specular::Phong(Phong { exponent: 100.0 });
+        assert_eq!(file_name(&text(&Recipe::specular(phong))), "phong-exponent-100.tbl");
+        let half = Recipe { ks: [0.5; 3], ..Recipe::specular(phong) };
+        assert_eq!(file_name(&text(&half)), "phong-exponent-100-ks-0.5-kd-0.tbl");
     }
 }

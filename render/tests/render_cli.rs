@@ -190,10 +190,10 @@ fn cached_pictures_fit_what_they_need() {
 fn harmonics_draw_without_tables() {
     let folder = Folder::with(SCENE, &[]);
     std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
-    let run = "image glossy.xml --method sh --spp 2 --tau 0.1 --tables made -o a.exr --stats s.json";
+    let run = "image glossy.xml --method sh --spp 2 --tau 0.1 -o a.exr --stats s.json";
     let (code, _, err) = folder.run(&format!("{run} --order 6 --gradients none --show-records r.png"));
     assert!(code == 0 && err.contains("harmonics of order 6") && err.contains("harmonic records"), "{err}");
-    assert!(!folder.path("made").exists() && folder.path("r.png").exists());
+    assert!(!folder.path("tables").exists() && folder.path("r.png").exists());
     let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("s.json")).unwrap()).unwrap();
     assert_eq!((&stats["method"], &stats["order_mean"]), (&"sh".into(), &6.0.into()));
     let bytes = stats["bytes_per_record"].as_f64().unwrap();

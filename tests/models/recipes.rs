@@ -3,7 +3,7 @@
 use super::examples;
 use brdf_tables::brdf::{Distribution, Fresnel, Lafortune, Microfacet, Phong, Specular, Ward, WardVariant};
 use brdf_tables::material::{Material, MaterialError};
-use fitter::recipe::{RecipeError, material};
+use fitter::recipe::{RecipeError, from_bytes, material};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -230,5 +230,21 @@ fn shipped_recipes() {
     for path in recipes {
         let made = material(path.to_str().unwrap()).unwrap();
         assert_eq!(material(&made.recipe_text()).unwrap(), made, "{}", path.display());
+    }
+}
+
+/// Files of editors that begin them with a mark, end lines with CRLF, or write another encoding.
+#[test]
+fn recipes_as_editors_write_them() {
+    let plain = from_bytes("a.toml", b"model = \"phong\"\nexponent = 40\n").unwrap();
+    let marked = b"\xef\xbb\xbfmodel = \"phong\"\r\nexponent = 40\r\n";
+    assert_eq!(from_bytes("a.toml", marked).unwrap(), plain);
+    let message = |bytes: &[u8]| from_bytes("a.toml", bytes).unwrap_err().to_string();
+    assert_eq!(message(b"# ok\n# caf\xe9\nmodel = \"phong\""), "a.toml:2: not UTF-8 text");
+    assert_eq!(message(b"\xff\xfem\0o\0"), "a.toml:1: not UTF-8 text");
+    let long = "k".repeat(50_000);
+    for text in [format!("model = \"phong\"\n{long} = 1"), format!("model = \"{long}\"")] {
+        let message = message(text.as_bytes());
+        assert!(message.len() < 400 && message.starts_with("a.toml:"), "{} bytes", message.len());
     }
 }

@@ -4,14 +4,15 @@ use anyhow::{Context, anyhow, ensure};
 use brdf_tables::material::Material;
 use brdf_tables::table::Table;
 use core::f64::consts::{PI, TAU};
+use fitter::command::{number::whole, output::Outputs};
 use fitter::recipe;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Number of worker threads; results do not depend on it.
 #[derive(clap::Args)]
 pub struct Threads {
     /// Worker threads [default: one per core]; the result is the same for any number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024u16, ""))]
     threads: Option<u16>,
 }
 
@@ -43,38 +44,11 @@ pub fn table(path: &Path) -> anyhow::Result<Table> {
     Table::load(path).with_context(name)
 }
 
-/// Refuses a place that cannot be written to, before any work is done for it.
-pub fn writable(path: &Path) -> anyhow::Result<()> {
-    ensure!(path.file_name().is_some() && !path.is_dir(), "{}: is a directory, not a file", path.display());
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    ensure!(folder.is_dir(), "{}: there is no directory {}", path.display(), folder.display());
-    Ok(())
-}
-
-/// Writes `bytes` to a temporary file beside `path` and renames it.
-pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(name);
-    let written = std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path));
-    written.map_err(|error| {
-        // What is left of the temporary file is of no use.
-        let _ = std::fs::remove_file(&temporary);
-        anyhow!("{}: {error}", path.display())
-    })
-}
-
-/// A tolerance: a fraction between 0 and 1, both excluded.
-pub fn tolerance(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if value > 0.0 && value < 1.0 {
-        Ok(value)
-    } else {
-        Err("a fraction between 0 and 1 is needed, 0.005 for 0.5 %".into())
-    }
+/// Refuses an SVG file that cannot be written, or that is read besides, before any work is done for it.
+pub fn figure<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> anyhow::Result<Outputs> {
+    let mut outputs = Outputs::beside(inputs);
+    outputs.file_of(path, &["svg"])?;
+    Ok(outputs)
 }
 
 /// A solid angle in (0, 2π] sr: a number, or a multiple of pi such as `pi/10` or `0.5pi`.

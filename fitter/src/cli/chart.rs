@@ -4,8 +4,9 @@ use super::progress::Progress;
 use super::{Outcome, arguments, fit};
 use crate::chart::{Measurement, csv, figure, measure};
 use anyhow::ensure;
+use fitter::command::{number::whole, output};
 use fitter::solver::SolverKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,13 +35,13 @@ pub struct Args {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = "lm,ga,ga-lm", value_parser = fit::solvers())]
     solvers: Vec<SolverKind>,
     /// Most lobes per cell; each lobe curve goes through 1 to this many
-    #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(long, value_name = "K", default_value_t = 4, value_parser = whole(1..=16u8, ""))]
     lobes: u8,
     /// Random caps at which errors are measured
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole(1..=10_000u32, ""))]
     points: u32,
     /// Seed of the caps and of the random solvers
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
     #[command(flatten)]
     threads: arguments::Threads,
@@ -49,9 +50,8 @@ pub struct Args {
 /// Measures and draws.
 pub fn run(args: Args) -> anyhow::Result<Outcome> {
     args.threads.apply()?;
-    arguments::writable(&args.output)?;
     let table = args.output.with_extension("csv");
-    ensure!(table != args.output, "{}: the CSV file beside the figure would have the same name", table.display());
+    arguments::figure(&args.output, args.materials.iter().map(Path::new))?.file(&table)?;
     let mut materials = Vec::new();
     for argument in &args.materials {
         let material = arguments::material(argument)?;
@@ -73,7 +73,9 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
         charts.push(measure(&measurement)?);
     }
     drop(progress);
-    arguments::write(&table, csv(&charts).as_bytes())?;
-    arguments::write(&args.output, figure(&charts)?.as_bytes())?;
+    // The figure is tried, whatever becomes of the numbers.
+    let numbers = output::write(&table, csv(&charts).as_bytes());
+    output::write(&args.output, figure(&charts)?.as_bytes())?;
+    numbers?;
     Ok(Outcome::Done)
 }

@@ -5,6 +5,7 @@ use super::{Outcome, arguments, report};
 use crate::text::percent;
 use brdf_tables::table::Table;
 use fitter::check::{Check, check};
+use fitter::command::number::whole;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
@@ -29,10 +30,10 @@ pub struct Args {
     /// Table, as `fitter fit` writes it
     file: PathBuf,
     /// Random caps of the main domain
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = whole(1..=1_000_000u32, ""))]
     points: u32,
     /// Seed of the caps
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
     /// Print JSON
     #[arg(long)]

@@ -7,6 +7,9 @@ use brdf_tables::material::Material;
 use brdf_tables::table::Table;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use core::ops::RangeInclusive;
+use fitter::command::number::{number, whole};
+use fitter::command::output::{self, Outputs};
 use fitter::fit::{Choice, Options, TOLERANCE, fit};
 use fitter::solver::SolverKind;
 use std::io::Write;
@@ -58,17 +61,20 @@ pub struct Args {
     #[arg(long, value_name = "NAME", value_parser = solvers())]
     solver: Option<SolverKind>,
     /// Lobes per cell, 1 to 16, or auto: as few as the tolerance needs [default: auto; 2 on the grid of the paper]
-    #[arg(long, value_name = "K|auto")]
+    #[arg(long, value_name = "K|auto", allow_hyphen_values = true)]
     lobes: Option<Count>,
     /// Root mean square error over the lobe to reach, as a fraction of the peak
-    #[arg(long, value_name = "T", default_value_t = TOLERANCE, value_parser = arguments::tolerance)]
+    #[arg(long, value_name = "T", default_value_t = TOLERANCE, value_parser = number(TOLERANCES, "a fraction between 0 and 1, 0.005 for 0.5 %"))]
     tolerance: f64,
     /// Seed of the random solvers and of the caps at which errors are measured
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
     #[command(flatten)]
     threads: arguments::Threads,
 }
+
+/// What `--tolerance` takes.
+const TOLERANCES: RangeInclusive<f64> = f64::MIN_POSITIVE..=1.0 - f64::EPSILON;
 
 /// Names that stand for several settings.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -149,7 +155,7 @@ impl Args {
             SolverKind::LevenbergMarquardt
         };
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.material));
-        arguments::writable(&output)?;
+        Outputs::beside([Path::new(&self.material)]).file(&output)?;
         let solver = self.solver.unwrap_or(default);
         Ok(Job { material, output, representation, solver, lobes, command: self.command() })
     }
@@ -209,13 +215,13 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
     let table = fit(&job.material, &options).with_context(|| args.material.clone())?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
-    table.save(&job.output).with_context(|| job.output.display().to_string())?;
-    let bytes = std::fs::metadata(&job.output)?.len();
-    std::io::stdout().lock().write_all(text(&job, &table, bytes, seconds).as_bytes())?;
+    let bytes = table.to_bytes().with_context(|| job.output.display().to_string())?;
+    output::write(&job.output, &bytes)?;
+    std::io::stdout().lock().write_all(text(&job, &table, bytes.len(), seconds).as_bytes())?;
     Ok(Outcome::Done)
 }
 
-fn text(job: &Job, table: &Table, bytes: u64, seconds: f64) -> String {
+fn text(job: &Job, table: &Table, bytes: usize, seconds: f64) -> String {
     let header = &table.header;
     let mut text =
         format!("{}: {}, {bytes} bytes, {seconds:.2} s\n", job.output.display(), table.representation_name());

@@ -1,7 +1,8 @@
 //! `fitter integrate`: the whole mean BRDF by Monte Carlo, row by row.
 
-use super::{Outcome, arguments, rows};
+use super::{Outcome, arguments};
 use core::f64::consts::FRAC_1_PI;
+use fitter::command::{number::whole, rows};
 use fitter::integrate::mean_brdf_mc_rgb;
 use std::io::{stdin, stdout};
 
@@ -20,10 +21,10 @@ pub struct Args {
     /// Inline recipe such as phong:exponent=100,ks=1,kd=0, or a TOML file
     material: String,
     /// Directions per row, drawn from the cap and from the BRDF
-    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(32..=1 << 32))]
+    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = whole(32..=1u64 << 32, ""))]
     samples: u64,
     /// Seed; every row has a sequence of its own
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
     #[command(flatten)]
     threads: arguments::Threads,

@@ -10,10 +10,9 @@ mod plot;
 mod progress;
 mod query;
 mod report;
-mod rows;
 
-use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use fitter::command;
 use std::io::{self, ErrorKind::BrokenPipe};
 use std::process::ExitCode;
 
@@ -67,17 +66,18 @@ enum Outcome {
 
 /// Parses the command line, runs it, and reports an error in one line.
 pub fn main() -> ExitCode {
-    let result = match Cli::try_parse() {
-        Ok(cli) => run(cli.command),
-        Err(usage) => return refuse_usage(&usage),
+    command::watch();
+    let cli: Cli = match command::parse("fitter") {
+        Ok(cli) => cli,
+        Err(code) => return code,
     };
-    match result {
+    match run(cli.command) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(FAILED),
         // The reader of a pipe has seen enough.
         Err(error) if error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == BrokenPipe) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("fitter: {}", report::one_line(&error));
+            eprintln!("fitter: {}", command::one_line(&error));
             ExitCode::from(REFUSED)
         }
     }
@@ -93,24 +93,6 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Plot(args) => plot::run(args),
         Command::Chart(args) => chart::run(args),
     }
-}
-
-/// Help and version as clap prints them; its error messages in one line.
-fn refuse_usage(error: &clap::Error) -> ExitCode {
-    if matches!(
-        error.kind(),
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
-    ) {
-        // Nothing is left to do when standard output is closed.
-        let _ = error.print();
-        return ExitCode::from(error.exit_code() as u8);
-    }
-    let text = error.to_string();
-    let end = text.find("\n\nUsage:").or_else(|| text.find("\n\nFor more")).unwrap_or(text.len());
-    let message = text[..end].trim_start_matches("error:").replace("\n\n  tip: ", "; ");
-    let words: Vec<_> = message.split_whitespace().collect();
-    eprintln!("fitter: {} (see --help)", words.join(" "));
-    ExitCode::from(REFUSED)
 }
 
 #[cfg(test)]

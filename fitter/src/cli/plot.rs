@@ -8,6 +8,7 @@ use anyhow::{Context, ensure};
 use brdf_tables::brdf::Specular;
 use brdf_tables::cap::Cap;
 use core::f64::consts::{FRAC_PI_2, PI};
+use fitter::command::{number::number, output};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,14 +36,14 @@ pub struct Args {
     #[arg(short, long, value_name = "FIG.svg")]
     output: PathBuf,
     /// Zenith angle of the caps, degrees in [0, 90]
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, default_value_t = 45.0)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0, value_parser = number(0.0..=90.0f64, "degrees from 0 to 90"))]
     theta_deg: f64,
     /// Azimuth of the caps, degrees; for anisotropic materials
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = number(f64::MIN..=f64::MAX, "degrees"))]
     phi_deg: Option<f64>,
     /// Solid angle of a cap in sr, such as 0.1 or pi/30; repeat for several [default: those of the paper for phong 40 and
     /// 200, else caps 1 and 2 lobe widths in radius]
-    #[arg(long, value_name = "SR")]
+    #[arg(long, value_name = "SR", allow_hyphen_values = true)]
     omega: Vec<SolidAngle>,
 }
 
@@ -65,10 +66,8 @@ fn default_solid_angles(specular: &Specular) -> Vec<SolidAngle> {
 
 /// Draws the figure.
 pub fn run(args: Args) -> anyhow::Result<Outcome> {
-    arguments::writable(&args.output)?;
-    ensure!((0.0..=90.0).contains(&args.theta_deg), "--theta-deg {} is not in 0..=90", args.theta_deg);
+    arguments::figure(&args.output, args.files.iter().map(PathBuf::as_path))?;
     let phi = args.phi_deg.unwrap_or(0.0);
-    ensure!(phi.is_finite(), "--phi-deg {phi} is not a number");
     let mut rows = Vec::new();
     for file in &args.files {
         let table = arguments::table(file)?;
@@ -105,6 +104,6 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
             (title, cuts.by_ref().take(omegas.len()).collect())
         })
         .collect();
-    arguments::write(&args.output, figure(&rows)?.as_bytes())?;
+    output::write(&args.output, figure(&rows)?.as_bytes())?;
     Ok(Outcome::Done)
 }

@@ -1,20 +1,9 @@
-//! What a person or a script reads: errors in one line, the five errors as a table or as JSON.
+//! What a person or a script reads: the five errors as a table or as JSON.
 
 use crate::text::percent;
 use brdf_tables::errors::{Errors, Summary};
 use serde_json::{Value, json};
 use std::fmt::Write;
-
-/// An error and its causes in one line, each said once.
-pub fn one_line(error: &anyhow::Error) -> String {
-    let mut parts: Vec<String> = Vec::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if !parts.last().is_some_and(|last| last.ends_with(&cause)) {
-            parts.push(cause);
-        }
-    }
-    parts.join(": ").replace(char::is_control, " ")
-}
 
 /// The five errors of several sets of caps as a table of percentages.
 pub fn errors_table(sets: &[(&str, &Summary)]) -> String {

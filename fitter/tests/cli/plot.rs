@@ -32,6 +32,9 @@ fn solid_angles_and_zenith_as_asked_for() {
     for part in ["Ω = π/4 sr", "Ω = 0.02 sr", "Ω = 2π sr"] {
         assert_eq!(text.matches(part).count(), 2, "{part} once per table");
     }
-    refused(&mut fitter(["plot", &table(), "-o", &figure, "--theta-deg", "91"]), &["--theta-deg 91"]);
-    refused(&mut fitter(["plot", &table(), "-o", &figure, "--theta-deg", "nan"]), &["--theta-deg"]);
+    refused(&mut fitter(["plot", &table(), "-o", &figure, "--theta-deg", "91"]), &["--theta-deg", "from 0 to 90"]);
+    refused(
+        &mut fitter(["plot", &table(), "-o", &figure, "--theta-deg", "nan"]),
+        &["--theta-deg", "not a finite number"],
+    );
 }

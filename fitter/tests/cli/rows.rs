@@ -1,5 +1,6 @@
 use super::{MATERIAL, fitter, folder, output, path, refused, table};
 use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 const HEADER: &str = "theta_e,phi_e,omega,wo_x,wo_y,wo_z";
@@ -88,6 +89,57 @@ fn a_bad_row_is_one_error_naming_its_line() {
     refused(fitter(["query", &table]).write_stdin(""), &["line 1", HEADER]);
     refused(fitter(["query", &table]).write_stdin(vec![b'7'; 1 << 20]), &["line 1"]);
     refused(fitter(["query", &table]).write_stdin(b"\xff\xfe\n".to_vec()), &["line 1", "UTF-8"]);
+}
+
+/// A folder of small files.
+fn inputs(outcome: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/inputs").join(outcome).join("csv");
+    super::names(&folder).into_iter().map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap())).collect()
+}
+
+/// Files as spreadsheets and other programs write them hold the same two rows as the plain one, in `query` and `integrate`.
+#[test]
+fn files_of_other_programs() {
+    let table = table();
+    for command in [&["query", &table][..], &["integrate", MATERIAL, "--samples", "64"]] {
+        let answers = |input: &[u8]| {
+            let output = fitter(command).write_stdin(input).assert().success().get_output().stdout.clone();
+            let mut reader = csv::Reader::from_reader(&output[..]);
+            let width = reader.headers().unwrap().len();
+            let new = if command[0] == "query" { 3 } else { 6 };
+            reader
+                .records()
+                .map(|row| row.unwrap().iter().skip(width - new).map(str::to_owned).collect())
+                .collect::<Vec<Vec<_>>>()
+        };
+        let files = inputs("valid");
+        let (_, plain) = files.iter().find(|(name, _)| name == "plain.csv").unwrap();
+        let plain = answers(plain);
+        assert_eq!(plain.len(), 2);
+        for (name, input) in &files {
+            assert_eq!(answers(input), plain, "{name}");
+        }
+    }
+}
+
+#[test]
+fn files_that_are_wrong() {
+    let messages = [
+        ("answers.csv", "line 1: a column r would be there twice"),
+        ("infinite.csv", "line 3: omega is inf"),
+        ("latin1.csv", "line 2: not UTF-8 text"),
+        ("no_header.csv", "line 1: the header must be"),
+        ("open_quote.csv", "line 3: wo_z is"),
+        ("semicolons.csv", "line 1: the header must be"),
+        ("short_row.csv", "line 4: 5 columns, 6 are needed"),
+        ("twice.csv", "line 1: two columns are called \"omega\""),
+        ("utf16.csv", "line 1: not UTF-8 text"),
+    ];
+    let files = inputs("invalid");
+    assert!(files.iter().map(|(name, _)| name.as_str()).eq(messages.map(|(name, _)| name)));
+    for ((_, input), (_, message)) in files.into_iter().zip(messages) {
+        refused(fitter(["query", &table()]).write_stdin(input), &[message]);
+    }
 }
 
 /// A program can talk to `query` row by row.

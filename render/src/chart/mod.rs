@@ -13,6 +13,7 @@ mod subject;
 
 use anyhow::{Context, Result, ensure};
 use cell::Policies;
+use fitter::command::output;
 use indicatif::{ProgressBar, ProgressStyle};
 use plan::Plan;
 use render::tables::Tables;
@@ -49,6 +50,7 @@ pub fn run(plan: &Plan) -> Result<()> {
     }
     // All that can be refused is looked at before any work is done.
     let table = plan.output.join("chart.csv");
+    output::check_folder(&plan.output)?;
     let mut rows = row::load(&table)?;
     let mut tables = Tables::open(&plan.tables)?;
     let scenes = plan.scenes.iter().enumerate().map(|(i, p)| subject::load_scene(plan, p, plan.references.get(i)));

@@ -1,7 +1,7 @@
 //! How a method is run: the one number that a sweep varies.
 
+use fitter::command::number::number;
 use std::fmt;
-use std::time::Duration;
 
 /// A setting of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,20 +41,12 @@ impl fmt::Display for Setting {
     }
 }
 
-/// Seconds from the command line.
-///
-/// # Errors
-/// What no budget can be.
-pub fn parse_time(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|s| *s > 0.0 && *s < 1e7);
-    // Also what a `Duration` takes.
-    seconds.filter(|s| Duration::try_from_secs_f64(*s).is_ok()).ok_or_else(|| "expected seconds > 0".into())
+/// A parser of seconds, each as much as a `Duration` takes.
+pub fn parse_time() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    number(1e-9..=1e7, "seconds > 0")
 }
 
-/// τ from the command line.
-///
-/// # Errors
-/// What no rendering takes.
-pub fn parse_tau(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|t| (0.0005..=1.0).contains(t)).ok_or_else(|| "expected a number from 0.0005 to 1".into())
+/// A parser of τ, as a rendering takes it.
+pub fn parse_tau() -> impl Fn(&str) -> Result<f32, String> + Clone + Send + Sync + 'static {
+    number(0.0005..=1.0, "a number from 0.0005 to 1")
 }

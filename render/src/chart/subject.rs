@@ -51,6 +51,7 @@ pub fn load_scene(plan: &Plan, path: &Path, reference: Option<&PathBuf>) -> Resu
     let (mut scene, warnings) = load::load(path, &plan.load)?;
     warnings.iter().for_each(|warning| eprintln!("render: warning: {warning}"));
     crate::cli::resize(&mut scene.camera, plan.width, None);
+    crate::cli::require_memory(&scene.camera, true).with_context(|| path.display().to_string())?;
     let digest = digest(&scene, plan.indirect_only);
     let world = World::new(scene).with_context(|| path.display().to_string())?;
     Ok(Loaded { name: name(path), world, reference: reference.cloned(), digest })

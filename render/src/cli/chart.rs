@@ -1,11 +1,15 @@
 //! `render chart`.
 
-use super::image::{MAX_SIZE, parse_define};
-use crate::chart::method::{METHODS, Method, find};
+use super::image::parse_define;
+use super::view::MAX_SIZE;
+use crate::chart::method::{Engine, METHODS, Method, Size, find};
 use crate::chart::plan::{Plan, Reference};
-use crate::chart::setting::{parse_tau, parse_time};
-use anyhow::{Context, Result, ensure};
+use crate::chart::setting::{Setting, parse_tau, parse_time};
+use anyhow::{Context, Result, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use fitter::command::number::{number, whole};
+use render::integrator::cached::TOLERANCE;
+use render::integrator::cached::policy::Allowed;
 use render::record::harmonics::MAX_ORDER;
 use render::scene::load::Options;
 use std::path::{Path, PathBuf};
@@ -45,32 +49,33 @@ pub struct Args {
     /// Converged picture of a scene, once for each in their order [default: path traced, and kept in DIR].
     #[arg(long, value_name = "REF.exr")]
     reference: Vec<PathBuf>,
-    /// Where the reference does not come from a file: the relative error at which it ends, the root of its rel_mse.
-    #[arg(long, value_name = "RELATIVE", default_value_t = 0.015)]
-    reference_error: f64,
-    /// About the most seconds for such a reference.
-    #[arg(long, value_name = "SECONDS", default_value = "240", value_parser = parse_time)]
-    reference_time: f64,
+    /// Where the reference does not come from a file: the relative error at which it ends, the root of its rel_mse
+    /// [default: 0.015].
+    #[arg(long, value_name = "RELATIVE", conflicts_with = "reference", value_parser = number(f64::MIN_POSITIVE..=f64::MAX, "a number > 0"))]
+    reference_error: Option<f64>,
+    /// About the most seconds for such a reference [default: 240].
+    #[arg(long, value_name = "SECONDS", conflicts_with = "reference", value_parser = parse_time())]
+    reference_time: Option<f64>,
     /// Methods [default: all but auto; all for a suite].
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = methods())]
     methods: Vec<&'static Method>,
     /// Budgets in seconds, kept by every method [default: 0.5,1,2,4; none for a suite].
-    #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', value_parser = parse_time)]
+    #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', value_parser = parse_time())]
     times: Option<Vec<f64>>,
     /// Qualities of the cached methods, the paper's tau [default: 0.16,0.08,0.04,0.02,0.01; 0.04 for a suite].
-    #[arg(long, value_name = "TAU,…", value_delimiter = ',', value_parser = parse_tau)]
+    #[arg(long, value_name = "TAU,…", value_delimiter = ',', value_parser = parse_tau())]
     taus: Option<Vec<f32>>,
     /// Orders of harmonics, each for all records of a run at the tau nearest to 0.04 [default: 5,10,15,20,29; none for a suite].
-    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=MAX_ORDER as i64))]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole(1..=MAX_ORDER as u8, ""))]
     orders: Option<Vec<u8>>,
     /// Numbers of EAS, each for all records of a run at the tau nearest to 0.04 [default: 10,16,31,64,127; none for a suite].
-    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(7..=4096))]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole(7..=4096u16, ""))]
     sources: Option<Vec<u16>>,
-    /// Samples per pixel of the runs that have no time budget.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
-    spp: u32,
+    /// Samples per pixel of the runs that have no time budget [default: 64].
+    #[arg(long, value_name = "N", value_parser = whole(1..=1u32 << 16, ""))]
+    spp: Option<u32>,
     /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIZE)))]
+    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
     width: Option<u32>,
     /// Set a parameter of the scene files.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
@@ -78,17 +83,17 @@ pub struct Args {
     /// Draw what is there where mesh or texture files are missing.
     #[arg(long)]
     skip_missing: bool,
-    /// Folder of fitted tables; what is missing is fitted and kept there.
-    #[arg(long, value_name = "DIR", default_value = "tables")]
-    tables: PathBuf,
+    /// Folder of fitted tables; what is missing is fitted and kept there [default: tables].
+    #[arg(long, value_name = "DIR")]
+    tables: Option<PathBuf>,
     /// Leave out light that is scattered less than twice.
     #[arg(long)]
     indirect_only: bool,
     /// Number of threads [default: all cores].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024u16, ""))]
     threads: Option<u16>,
     /// Seed of the sample points.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
 }
 
@@ -134,8 +139,6 @@ fn plan(args: Args) -> Result<Plan> {
         args.reference.len(),
         scenes.len()
     );
-    let error = args.reference_error;
-    ensure!(error > 0.0 && error.is_finite(), "--reference-error needs a number > 0");
     let methods = match args.methods {
         m if !m.is_empty() => m,
         _ => METHODS.iter().filter(|m| stability || m.swept).collect(),
@@ -144,27 +147,74 @@ fn plan(args: Args) -> Result<Plan> {
         ensure!(methods[..i].iter().all(|m| m.name != method.name), "--methods: {} is there twice", method.name);
     }
     let times = args.times.unwrap_or_else(|| if stability { Vec::new() } else { vec![0.5, 1.0, 2.0, 4.0] });
-    let taus = args.taus.unwrap_or_else(|| if stability { vec![0.04] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
+    let taus =
+        args.taus.clone().unwrap_or_else(|| if stability { vec![0.04] } else { vec![0.16, 0.08, 0.04, 0.02, 0.01] });
     ensure!(!(stability && taus.len() > 1), "--taus: the suite compares the methods at one quality");
-    Ok(Plan {
+    let given = Given {
+        taus: args.taus.is_some(),
+        orders: args.orders.is_some(),
+        sources: args.sources.is_some(),
+        spp: args.spp.is_some(),
+        tables: args.tables.is_some(),
+    };
+    let plan = Plan {
         orders: args.orders.unwrap_or_else(|| if stability { Vec::new() } else { vec![5, 10, 15, 20, 29] }),
         sources: args.sources.unwrap_or_else(|| if stability { Vec::new() } else { vec![10, 16, 31, 64, 127] }),
         scenes,
         references: args.reference,
-        reference: Reference { error, seconds: args.reference_time },
+        reference: Reference {
+            error: args.reference_error.unwrap_or(0.015),
+            seconds: args.reference_time.unwrap_or(240.0),
+        },
         methods,
         times,
         taus,
-        spp: args.spp,
+        spp: args.spp.unwrap_or(64),
         stability,
         width: args.width.or(stability.then_some(64)),
         load: Options { defines: args.define, skip_missing: args.skip_missing },
-        tables: args.tables,
+        tables: args.tables.unwrap_or("tables".into()),
         seed: args.seed,
         indirect_only: args.indirect_only,
         output: args.output,
         command: command(),
-    })
+    };
+    refuse_unused(&plan, given)?;
+    Ok(plan)
+}
+
+/// Options that not every method uses, and whether they were given.
+struct Given {
+    taus: bool,
+    orders: bool,
+    sources: bool,
+    spp: bool,
+    tables: bool,
+}
+
+/// Refuses options that no run of the plan would use.
+fn refuse_unused(plan: &Plan, given: Given) -> Result<()> {
+    let cached = |m: &Method| matches!(m.engine, Engine::Cached(..));
+    let tabled = |m: &Method| match m.engine {
+        Engine::Cached(allowed, ..) => matches!(allowed(Setting::Tau(TOLERANCE)), Allowed::Eas | Allowed::Auto),
+        Engine::Traced => false,
+    };
+    let rules: [(bool, &str, &dyn Fn(&Method) -> bool); 4] = [
+        (given.taus, "--taus", &cached),
+        (given.tables, "--tables", &tabled),
+        (given.orders, "--orders", &|m| m.size() == Some(Size::Order)),
+        (given.sources, "--sources", &|m| m.size() == Some(Size::Sources)),
+    ];
+    for (given, option, uses) in rules {
+        if given && !plan.methods.iter().any(|m| uses(m)) {
+            let names: Vec<_> = METHODS.iter().filter(|m| uses(m)).map(|m| m.name).collect();
+            bail!("{option} needs one of the --methods {}", names.join(", "));
+        }
+    }
+    if given.spp && plan.cells().iter().all(|(_, setting)| matches!(setting, Setting::Time(_))) {
+        bail!("--spp needs runs without a time budget, such as those of --taus");
+    }
+    Ok(())
 }
 
 /// Scenes of a folder, by name.

@@ -1,6 +1,8 @@
 //! `render compare`.
 
 use anyhow::{Context, Result, bail};
+use fitter::command::number::{number, whole};
+use fitter::command::output::Outputs;
 use render::image::{Image, read, read_noise, write_png};
 use render::metric::defects::Defects;
 use render::metric::{Comparison, compare, false_color};
@@ -25,13 +27,13 @@ pub struct Args {
     z_test: bool,
     /// Samples per pixel of the reference, for its share of the noise [default: what an EXR of `render image` says,
     /// otherwise no noise].
-    #[arg(long, value_name = "N", requires = "z_test", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", requires = "z_test", value_parser = whole(1..=u32::MAX, ""))]
     reference_spp: Option<u32>,
     /// Print the figures as JSON.
     #[arg(long)]
     json: bool,
     /// Exit with 1 if rel_mse is above this.
-    #[arg(long, value_name = "REL_MSE")]
+    #[arg(long, value_name = "REL_MSE", value_parser = number(0.0..=f64::MAX, "a number ≥ 0"))]
     fail_above: Option<f64>,
 }
 
@@ -77,18 +79,12 @@ fn table(name: &str, z: &ZScores) -> String {
 
 /// Compares, prints, and judges.
 pub fn run(args: &Args) -> Result<ExitCode> {
-    if args.fail_above.is_some_and(|limit| limit.is_nan() || limit < 0.0) {
-        bail!("--fail-above needs a number ≥ 0");
+    if let Some(path) = &args.false_color {
+        Outputs::beside([args.image.as_path(), &args.reference]).file_of(path, &["png"])?;
     }
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);
     let place = || format!("{} and {}", args.image.display(), args.reference.display());
     let figures = compare(&image, &reference).with_context(place)?;
-    if let Some(path) = &args.false_color {
-        if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
-            bail!("{}: the name must end in .png", path.display());
-        }
-        write_png(path, &false_color(&image, &reference).with_context(place)?)?;
-    }
     let z_test = if args.z_test { Some(judge(args, &image, &reference)?) } else { None };
     let text = if args.json {
         serde_json::to_string(&Report {
@@ -113,6 +109,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => return Err(e).context("standard output"),
         _ => {}
+    }
+    // After the figures: they do not depend on whether this file can be written.
+    if let Some(path) = &args.false_color {
+        write_png(path, &false_color(&image, &reference).with_context(place)?)?;
     }
     let failed = args.fail_above.is_some_and(|limit| figures.rel_mse > limit) || z_test.is_some_and(|z| !z.passed());
     Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })

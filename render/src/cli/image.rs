@@ -1,28 +1,28 @@
 //! `render image`.
 
 use super::method::{Method, Reach};
-use anyhow::{Context, Result, bail, ensure};
+use super::options;
+use super::outputs::{self, Records};
+use super::view::{self, MAX_SIZE, parse_crop};
+use crate::chart::setting::{parse_tau, parse_time};
+use anyhow::{Context, Result};
+use fitter::command::number::{number, whole};
 use indicatif::{ProgressBar, ProgressStyle};
 use render::cache::Spacing;
 use render::film::{Budget, Picture, render};
-use render::image::{write_picture, write_png, write_whole};
-use render::inspect::overlay::show_records;
 use render::integrator::PathTracer;
 use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Figures, Settings, TOLERANCE, render_cached};
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
-use render::scene::{Camera, Crop, Scene, load};
+use render::scene::{Crop, Scene, load};
 use render::tables::Tables;
 use render::world::World;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-
-/// Largest width or height.
-pub(super) const MAX_SIZE: u32 = 1 << 15;
 
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
 const EXR_SECONDS: f64 = 1.6e-6;
@@ -32,58 +32,58 @@ const PNG_SECONDS: f64 = 1e-7;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene: Mitsuba XML or glTF.
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
     #[arg(short, long, value_name = "OUT", required = true)]
-    output: Vec<PathBuf>,
+    pub(super) output: Vec<PathBuf>,
     /// How to render.
     #[arg(long, value_enum, default_value_t = Method::Path)]
-    method: Method,
-    /// How EAS are moved and summed: the published way, or ours.
-    #[arg(long, value_enum, default_value_t = Estimator::Improved)]
-    eas: Estimator,
+    pub(super) method: Method,
+    /// How EAS are moved and summed: the published way, or ours [default: improved].
+    #[arg(long, value_enum)]
+    pub(super) eas: Option<Estimator>,
     /// Sources of every EAS record, instead of as few as tau allows; a tree has 7, 10, 13… of them.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(7..=4096))]
-    sources: Option<u16>,
+    #[arg(long, value_name = "N", value_parser = whole(7..=4096u16, ""))]
+    pub(super) sources: Option<u16>,
     /// Harmonics of every view, instead of the least that lose no more of its lobe than tau allows; no view is path traced then.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MAX_ORDER as i64))]
-    order: Option<u8>,
+    #[arg(long, value_name = "N", value_parser = whole(1..=MAX_ORDER as u8, ""))]
+    pub(super) order: Option<u8>,
     /// How harmonic records change with position [default: analytic].
     #[arg(long, value_enum)]
-    gradients: Option<Gradients>,
+    pub(super) gradients: Option<Gradients>,
     /// Which harmonics: in the frame of the record, or in that of the world [default: hemispherical].
     #[arg(long, value_enum)]
-    basis: Option<Basis>,
+    pub(super) basis: Option<Basis>,
     /// What decides how far records reach [default: hessian, distance with --eas paper].
     #[arg(long, value_enum)]
-    radius: Option<Reach>,
+    pub(super) radius: Option<Reach>,
     /// Records that differ by more than this fraction where they overlap reach less far (adaptive caching).
-    #[arg(long, value_name = "FRACTION", num_args = 0..=1, default_missing_value = "0.03")]
-    adaptive: Option<f32>,
+    #[arg(long, value_name = "FRACTION", num_args = 0..=1, default_missing_value = "0.03", value_parser = number(0.001..=1.0f32, "a fraction from 0.001 to 1"))]
+    pub(super) adaptive: Option<f32>,
     /// Quality of a cached rendering, the paper's tau: rays, spacing and number of sources follow
     /// [default: 0.02, or what --time allows].
-    #[arg(long, value_name = "TAU")]
-    tau: Option<f32>,
-    /// Folder of fitted tables; what is missing is fitted and kept there.
-    #[arg(long, value_name = "DIR", default_value = "tables")]
-    tables: PathBuf,
+    #[arg(long, value_name = "TAU", value_parser = parse_tau())]
+    pub(super) tau: Option<f32>,
+    /// Folder of fitted tables; what is missing is fitted and kept there [default: tables].
+    #[arg(long, value_name = "DIR")]
+    pub(super) tables: Option<PathBuf>,
     /// Keep records in this file: read where it exists, written at the end. The same camera gives the same picture.
     #[arg(long, value_name = "FILE", conflicts_with = "time")]
-    cache: Option<PathBuf>,
+    pub(super) cache: Option<PathBuf>,
     /// Samples per pixel [default: what the scene asks for].
-    #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = clap::value_parser!(u32).range(1..=1 << 22))]
+    #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = whole(1..=1u32 << 22, ""))]
     spp: Option<u32>,
     /// Seconds for everything but loading.
-    #[arg(long, value_name = "SECONDS", conflicts_with = "error")]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "error", value_parser = parse_time())]
     time: Option<f64>,
     /// Stop at this relative error: the root of the estimated rel_mse.
-    #[arg(long, value_name = "RELATIVE")]
-    error: Option<f32>,
+    #[arg(long, value_name = "RELATIVE", value_parser = number(f32::MIN_POSITIVE..=f32::MAX, "a number > 0"))]
+    pub(super) error: Option<f32>,
     /// Width of the film in pixels; alone, it keeps the aspect.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIZE)))]
+    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
     width: Option<u32>,
     /// Height of the film in pixels; alone, it keeps the aspect.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIZE)))]
+    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
     height: Option<u32>,
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
@@ -95,24 +95,24 @@ pub struct Args {
     #[arg(long)]
     skip_missing: bool,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX, "; leave it out for the scene's own"))]
     max_depth: Option<u32>,
     /// Leave out light that is scattered less than twice.
     #[arg(long)]
     indirect_only: bool,
     /// Number of threads [default: all cores].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024u16, ""))]
     threads: Option<u16>,
     /// Seed of the sample points.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
     /// Write figures of the run.
     #[arg(long, value_name = "FILE.json")]
-    stats: Option<PathBuf>,
+    pub(super) stats: Option<PathBuf>,
     /// Write the rendering with its records: dots, and the circles they reach. EAS or harmonics red, irradiance green, coarse
     /// irradiance blue.
     #[arg(long, value_name = "OUT.png")]
-    show_records: Option<PathBuf>,
+    pub(super) show_records: Option<PathBuf>,
 }
 
 pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
@@ -120,20 +120,14 @@ pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
     Ok((name.to_owned(), value.to_owned()))
 }
 
-fn parse_crop(text: &str) -> Result<Crop, String> {
-    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, width, height]) => Ok(Crop { x, y, width, height }),
-        _ => Err("expected X,Y,WIDTH,HEIGHT".into()),
-    }
-}
-
 /// Renders through caches; tells what it does with each material.
-fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, stats: &mut Stats) -> Result<Picture> {
-    ensure!(args.error.is_none(), "--error needs --method path: a cached picture does not know its error");
-    if let Some(tau) = args.tau {
-        ensure!((0.0005..=1.0).contains(&tau), "--tau needs a number from 0.0005 to 1");
-    }
+fn cached(
+    args: &Args,
+    world: &World,
+    budget: Budget,
+    pool: &rayon::ThreadPool,
+    stats: &mut Stats,
+) -> Result<(Picture, Records)> {
     let allowed = match args.method {
         Method::Irradiance => Allowed::Irradiance,
         Method::Eas => Allowed::Eas,
@@ -145,18 +139,19 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
         )),
         Method::Auto | Method::Path => Allowed::Auto,
     };
-    let mut tables = Tables::open(&args.tables)?;
+    let mut tables = Tables::open(args.tables.as_deref().unwrap_or(Path::new("tables")))?;
     let deciding = Instant::now();
     let policy = pool.install(|| Policy::new(&world.scene, allowed, |recipe| tables.find(recipe)))?;
     let fitting = if policy.projection.is_some() { deciding.elapsed() } else { tables.fitting };
     for note in tables.notes.iter().chain(&policy.notes) {
         eprintln!("render: {note}");
     }
+    let estimator = args.eas.unwrap_or_default();
     let settings = Settings {
         tolerance: args.tau,
-        estimator: args.eas,
+        estimator,
         spacing: Spacing {
-            hessian: args.radius.unwrap_or(Reach::of(args.eas)) == Reach::Hessian,
+            hessian: args.radius.unwrap_or(Reach::of(estimator)) == Reach::Hessian,
             adaptive: args.adaptive,
         },
         sources: args.sources.map(usize::from),
@@ -172,10 +167,6 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
     }
     let (picture, figures, caches) =
         pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, kept, progress)));
-    if let Some(path) = &args.cache {
-        file::save(path, world, &policy, &settings, tolerance, &caches)
-            .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
-    }
     stats.take(&figures, fitting);
     let glossy = match args.method {
         Method::Sh => format!("{} harmonic records of order {:.1}", figures.harmonics_records, stats.order_mean),
@@ -193,17 +184,14 @@ fn cached(args: &Args, world: &World, budget: Budget, pool: &rayon::ThreadPool, 
         figures.bytes / 1000,
         figures.tolerance
     );
-    if let Some(path) = &args.show_records {
-        write_png(path, &show_records(&picture.image(), world, &caches))?;
-    }
-    Ok(picture)
+    Ok((picture, Records { policy, settings, tolerance, caches }))
 }
 
 /// What `--stats` says; the keys of the cache stay zero without one.
 #[derive(Debug, Default, Serialize)]
-struct Stats {
+pub(super) struct Stats {
     method: &'static str,
-    seconds: Seconds,
+    pub(super) seconds: Seconds,
     rays: u64,
     records: u64,
     eas_mean: f64,
@@ -232,62 +220,29 @@ impl Stats {
 }
 
 #[derive(Debug, Default, Serialize)]
-struct Seconds {
+pub(super) struct Seconds {
     load: f64,
     fit: f64,
     fill: f64,
     shade: f64,
-    write: f64,
-    total: f64,
+    pub(super) write: f64,
+    pub(super) total: f64,
 }
 
 /// Loads, renders, writes.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let start = Instant::now();
-    if let Some(seconds) = args.time {
-        ensure!(seconds > 0.0 && seconds < 1e7, "--time needs a number of seconds > 0");
-    }
-    if let Some(error) = args.error {
-        ensure!(error > 0.0 && error.is_finite(), "--error needs a number > 0");
-    }
-    if !matches!(args.method, Method::Sh) {
-        let given = [
-            ("--order", args.order.is_some()),
-            ("--gradients", args.gradients.is_some()),
-            ("--basis", args.basis.is_some()),
-        ];
-        if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
-            bail!("{option} needs --method sh");
-        }
-    }
-    if let Some(fraction) = args.adaptive {
-        ensure!((0.001..=1.0).contains(&fraction), "--adaptive needs a number from 0.001 to 1");
-    }
-    if matches!(args.method, Method::Path) && (args.radius.is_some() || args.adaptive.is_some()) {
-        bail!("--radius and --adaptive need --method auto, eas, sh or irradiance: path tracing keeps no records");
-    }
-    for output in &args.output {
-        let extension = output.extension().unwrap_or_default().to_ascii_lowercase();
-        if extension != "exr" && extension != "png" {
-            bail!("{}: the name must end in .exr or .png", output.display());
-        }
-    }
-    if let Some(path) = &args.show_records {
-        ensure!(
-            !matches!(args.method, Method::Path),
-            "--show-records needs --method auto, eas, sh or irradiance: path tracing keeps no records"
-        );
-        if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
-            bail!("{}: the name must end in .png", path.display());
-        }
-    }
+    options::check(args)?;
+    outputs::check(args)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
     let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
     let (mut scene, warnings) = load::load(&args.scene, &options)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }
-    change_view(&mut scene.camera, args);
+    view::change(&mut scene.camera, args.width, args.height, args.crop);
+    view::require_memory(&scene.camera, !matches!(args.method, Method::Path))
+        .with_context(|| args.scene.display().to_string())?;
     if let Some(depth) = args.max_depth {
         scene.integrator.max_depth = depth;
     }
@@ -296,27 +251,22 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let load_seconds = start.elapsed().as_secs_f64();
     let mut stats = Stats { method: args.method.name(), threads: pool.current_num_threads(), ..Stats::default() };
     stats.seconds.load = load_seconds;
-    let picture = match args.method {
+    let (picture, records) = match args.method {
         Method::Path => {
             let shading = Instant::now();
             let integrator = PathTracer { settings: world.scene.integrator, indirect_only: args.indirect_only };
             let picture =
                 pool.install(|| with_progress(|progress| render(&world, &integrator, budget, args.seed, progress)));
             stats.seconds.shade = shading.elapsed().as_secs_f64();
-            picture
+            (picture, None)
         }
-        _ => cached(args, &world, budget, &pool, &mut stats)?,
+        _ => {
+            let (picture, records) = cached(args, &world, budget, &pool, &mut stats)?;
+            (picture, Some(records))
+        }
     };
-    let writing = Instant::now();
-    for output in &args.output {
-        write_picture(output, &picture)?;
-    }
-    stats.seconds.write = writing.elapsed().as_secs_f64();
     (stats.rays, stats.spp) = (picture.rays, picture.spp);
-    stats.seconds.total = start.elapsed().as_secs_f64();
-    if let Some(path) = &args.stats {
-        write_whole(path, (serde_json::to_string_pretty(&stats)? + "\n").as_bytes())?;
-    }
+    outputs::write(args, &world, &picture, records.as_ref(), &mut stats, start)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -332,31 +282,6 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
         }
         (_, _, Some(error)) => Budget::Error(error),
         (spp, ..) => Budget::Samples(spp.unwrap_or(scene.integrator.spp)),
-    }
-}
-
-/// Applies `--width`, `--height` and `--crop`. A new size drops the crop of the file, whose pixels are others.
-fn change_view(camera: &mut Camera, args: &Args) {
-    resize(camera, args.width, args.height);
-    if let Some(crop) = args.crop {
-        camera.film.crop = Some(crop);
-    }
-}
-
-/// Sets the size of the film; one number alone keeps the aspect.
-pub(crate) fn resize(camera: &mut Camera, width: Option<u32>, height: Option<u32>) {
-    let film = &mut camera.film;
-    let scaled = |x: u32, to: u32, from: u32| {
-        ((u64::from(x) * u64::from(to) + u64::from(from) / 2) / u64::from(from)).clamp(1, u64::from(MAX_SIZE)) as u32
-    };
-    let (width, height) = match (width, height) {
-        (None, None) => (film.width, film.height),
-        (Some(w), Some(h)) => (w, h),
-        (Some(w), None) => (w, scaled(film.height, w, film.width)),
-        (None, Some(h)) => (scaled(film.width, h, film.height), h),
-    };
-    if (width, height) != (film.width, film.height) {
-        (film.width, film.height, film.crop) = (width, height, None);
     }
 }
 

@@ -3,7 +3,7 @@
 use render::record::eas::Estimator;
 
 /// How to render.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Method {
     /// EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest.
     Auto,

@@ -4,12 +4,16 @@ mod chart;
 mod compare;
 mod image;
 mod method;
+mod options;
+mod outputs;
 mod probe;
+mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-pub(crate) use image::resize;
+use fitter::command;
 use std::process::ExitCode;
+pub(crate) use view::{require_memory, resize};
 
 /// Renders glossy global illumination.
 #[derive(Debug, Parser)]
@@ -33,14 +37,19 @@ enum Command {
 
 /// Runs the command; 0 done, 1 a check failed, 2 bad input or usage.
 pub fn run() -> ExitCode {
-    let result: Result<ExitCode> = match Cli::parse().command {
+    command::watch();
+    let cli: Cli = match command::parse("render") {
+        Ok(cli) => cli,
+        Err(code) => return code,
+    };
+    let result: Result<ExitCode> = match cli.command {
         Command::Image(args) => image::run(&args),
         Command::Probe(args) => probe::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Chart(args) => chart::run(args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("render: {error:#}");
+        eprintln!("render: {}", command::one_line(&error));
         ExitCode::from(2)
     })
 }

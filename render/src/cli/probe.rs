@@ -1,7 +1,10 @@
 //! `render probe`.
 
 use super::image::{parse_define, with_progress};
-use anyhow::{Context, Result, ensure};
+use super::view::{MAX_SIZE, resize};
+use crate::chart::setting::parse_tau;
+use anyhow::{Context, Result};
+use fitter::command::{number::whole, output};
 use render::cache::Spacing;
 use render::image::{write_png, write_whole};
 use render::inspect::disk::{Disk, exposure};
@@ -49,16 +52,16 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "tables")]
     tables: PathBuf,
     /// Quality, the paper's tau: the error at which the cut stops.
-    #[arg(long, value_name = "TAU", default_value_t = TOLERANCE)]
+    #[arg(long, value_name = "TAU", default_value_t = TOLERANCE, value_parser = parse_tau())]
     tau: f32,
     /// Estimator of the cut and of the reflected radiance; the error curves always show both.
     #[arg(long, value_enum, default_value_t = Estimator::Improved)]
     eas: Estimator,
     /// Width of the film in pixels; keeps the aspect.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(super::image::MAX_SIZE)))]
+    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
     width: Option<u32>,
     /// Seed of the sample points.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
     /// Set a parameter of the scene file.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
@@ -75,13 +78,13 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 
 /// Gathers, measures, writes.
 pub fn run(args: &Args) -> Result<ExitCode> {
-    ensure!((0.0005..=1.0).contains(&args.tau), "--tau needs a number from 0.0005 to 1");
+    output::check_folder(&args.output)?;
     let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
     let (mut scene, warnings) = load::load(&args.scene, &options)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }
-    super::image::resize(&mut scene.camera, args.width, None);
+    resize(&mut scene.camera, args.width, None);
     let world = World::new(scene).with_context(|| args.scene.display().to_string())?;
     let mut tables = Tables::open(&args.tables)?;
     let policy = Policy::new(&world.scene, Allowed::Eas, |recipe| tables.find(recipe))?;

@@ -22,7 +22,7 @@ pub struct Image {
 /// Why a picture could not be read or written.
 #[derive(Debug, Error)]
 pub enum ImageError {
-    /// The file system said no.
+    /// It cannot be read.
     #[error("{path}: {source}")]
     Io {
         /// The file.
@@ -30,6 +30,9 @@ pub enum ImageError {
         /// What it said.
         source: std::io::Error,
     },
+    /// It cannot be written.
+    #[error(transparent)]
+    Output(#[from] fitter::command::output::OutputError),
     /// The content is broken or too large.
     #[error("{path}: {reason}")]
     Content {

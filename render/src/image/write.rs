@@ -1,4 +1,4 @@
-//! EXR with layers, PNG as the sRGB view. Files appear whole or not at all.
+//! EXR with layers, PNG as the sRGB view.
 
 use super::{Image, ImageError, to_srgb};
 use crate::film::{Picture, Pixel};
@@ -7,8 +7,9 @@ use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, SmallVec, WritableImage,
 };
+use fitter::command::output;
 use rayon::prelude::*;
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::Path;
 
 impl Picture {
@@ -60,24 +61,12 @@ pub(super) fn content(path: &Path, reason: impl ToString) -> ImageError {
     ImageError::Content { path: path.display().to_string(), reason: reason.to_string() }
 }
 
-/// Writes any file whole or not at all: beside the target, then renames.
+/// Writes any file whole or not at all.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(bytes)?;
-        // Temporary files are private; the picture gets the permissions any new file would have.
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
-        }
-        file.persist(path).map_err(|e| e.error)
-    };
-    write().map(drop).map_err(|source| ImageError::Io { path: path.display().to_string(), source })
+    Ok(output::write(path, bytes)?)
 }
 
 /// Attribute of an EXR: samples per pixel.

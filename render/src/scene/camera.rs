@@ -1,10 +1,11 @@
 //! The camera and its film.
 
 use glam::{Affine3A, Vec2};
+use serde::{Deserialize, Serialize};
 
 /// A camera that sees everything sharp. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's
 /// frame), so a loader of a format that looks along −z with x to the right turns it by half a turn about y.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Camera frame to world; without scale.
     pub to_world: Affine3A,
@@ -23,7 +24,7 @@ pub struct Camera {
 }
 
 /// The rays of a camera. Pixels are squares.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Projection {
     /// All through one point, the origin of the camera's frame.
     Perspective {
@@ -38,7 +39,7 @@ pub enum Projection {
 }
 
 /// The pixel grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Film {
     /// Width of the whole film in pixels.
     pub width: u32,
@@ -51,7 +52,7 @@ pub struct Film {
 }
 
 /// A rectangle of pixels inside the film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crop {
     /// First column.
     pub x: u32,
@@ -64,7 +65,7 @@ pub struct Crop {
 }
 
 /// Pixel reconstruction filter, separable; lengths in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Filter {
     /// 1 within `radius` (0.5: the pixel).
     Box {

@@ -1,6 +1,11 @@
 //! Checksums of what a picture depends on, to tell whether figures and records on disk belong to a scene.
+//!
+//! They are of the scene's own encoding, so that no field can be forgotten: what does not count is named in
+//! [`Checksums::new`], and a new field does not compile until it is put on one side or the other.
 
-use super::{Environment, Geometry, Scene, Texture};
+use super::{IntegratorSettings, Scene};
+use serde::Serialize;
+use std::io::{BufWriter, Write};
 
 /// Checksums of the parts of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,42 +14,33 @@ pub struct Checksums {
     pub geometry: u64,
     /// Materials and textures.
     pub materials: u64,
-    /// Camera and film.
+    /// Camera and film, and what only the camera sees.
     pub camera: u64,
 }
 
 impl Checksums {
-    /// Of a scene in memory: comments and file names do not matter.
+    /// Of a scene in memory: names, comments and the number of samples do not matter.
     pub fn new(scene: &Scene) -> Self {
+        let Scene {
+            shapes,
+            groups,
+            instances,
+            materials,
+            material_names: _,
+            textures,
+            lights,
+            environment,
+            camera,
+            integrator,
+        } = scene;
+        let IntegratorSettings { max_depth, rr_depth, hide_emitters, spp: _ } = integrator;
         let mut geometry = Hash::default();
-        for shape in scene.shapes.iter().chain(scene.groups.iter().flat_map(|g| &g.shapes)) {
-            match &shape.geometry {
-                Geometry::Mesh(m) => {
-                    m.positions.iter().for_each(|p| geometry.numbers(&p.to_array()));
-                    m.triangles.iter().for_each(|t| geometry.0.update(bytemuck::cast_slice(t)));
-                }
-                Geometry::Sphere(s) => geometry.text(&format!("{s:?}")),
-            }
-            geometry.text(&format!("{:?}{:?}", shape.material, shape.emitter));
-        }
-        geometry.text(&format!("{:?}{:?}{:?}", scene.instances, scene.lights, scene.integrator.max_depth));
-        if let Some(Environment::Map(map)) = &scene.environment {
-            (0..map.image.texels.len()).for_each(|i| geometry.numbers(&map.image.texels.get(i).to_array()));
-            geometry.text(&format!("{:?}{}", map.to_world, map.scale));
-        } else {
-            geometry.text(&format!("{:?}", scene.environment));
-        }
-        let mut materials = Hash::default();
-        materials.text(&format!("{:?}", scene.materials));
-        for texture in &scene.textures {
-            match texture {
-                Texture::Bitmap(b) => (0..b.texels.len()).for_each(|i| materials.numbers(&b.texels.get(i).to_array())),
-                other => materials.text(&format!("{other:?}")),
-            }
-        }
-        let mut camera = Hash::default();
-        camera.text(&format!("{:?}", scene.camera));
-        Self { geometry: geometry.finish(), materials: materials.finish(), camera: camera.finish() }
+        geometry.encoded(&(shapes, groups, instances, lights, environment, max_depth, rr_depth));
+        let mut surfaces = Hash::default();
+        surfaces.encoded(&(materials, textures));
+        let mut view = Hash::default();
+        view.encoded(&(camera, hide_emitters));
+        Self { geometry: geometry.finish(), materials: surfaces.finish(), camera: view.finish() }
     }
 }
 
@@ -55,14 +51,29 @@ pub struct Hash(crc32fast::Hasher, u64);
 impl Hash {
     /// Adds a text.
     pub fn text(&mut self, text: &str) {
-        self.0.update(text.as_bytes());
-        self.1 += text.len() as u64;
+        self.bytes(text.as_bytes());
     }
 
     /// Adds numbers.
     pub fn numbers(&mut self, numbers: &[f32]) {
-        self.0.update(bytemuck::cast_slice(numbers));
-        self.1 += 1;
+        self.bytes(bytemuck::cast_slice(numbers));
+    }
+
+    /// Adds bytes.
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+        self.1 += bytes.len() as u64;
+    }
+
+    /// Adds every field of a value: no two values have the same encoding.
+    pub fn encoded(&mut self, value: &impl Serialize) {
+        // Numbers come one by one; the checksum is quicker over many.
+        let mut writer = BufWriter::with_capacity(1 << 16, &mut *self);
+        let written = bincode::serde::encode_into_std_write(value, &mut writer, bincode::config::legacy());
+        let failed = written.is_err() || writer.flush().is_err();
+        drop(writer);
+        // Nothing fails to be written here; if it did, the checksum would still be another.
+        self.text(if failed { "cut" } else { "" });
     }
 
     /// CRC-32 in the upper half, length in the lower.
@@ -70,3 +81,17 @@ impl Hash {
         u64::from(self.0.finalize()) << 32 | self.1 & 0xffff_ffff
     }
 }
+
+impl Write for Hash {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.bytes(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -2,16 +2,17 @@
 
 use super::{Bitmap, ColorTexture, Rgb};
 use glam::{Mat3A, Vec3A};
+use serde::{Deserialize, Serialize};
 
 /// Diffuse emission from the front of a shape.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaEmitter {
     /// Radiance in W·m⁻²·sr⁻¹.
     pub radiance: ColorTexture,
 }
 
 /// A light without a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Light {
     /// Radiates equally in all directions from a point.
     Point {
@@ -43,7 +44,7 @@ pub enum Light {
 }
 
 /// Radiance from infinity.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Environment {
     /// The same in all directions.
     Constant(Rgb),
@@ -54,7 +55,7 @@ pub enum Environment {
 /// A latitude-longitude image. A unit direction d in the map's own frame (y up) has
 /// u = atan2(d.x, −d.z)/2π modulo 1 and v = acos(d.y)/π. As in Mitsuba 3, the centre of texel (i, j) of a w × h image is
 /// at u = (i + ½)/w and v = j/(h − 1): the first and the last row are the poles.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentMap {
     /// Radiance before `scale`; `wrap`, `interpolation` and `to_uv` of the bitmap are not used.
     pub image: Bitmap,

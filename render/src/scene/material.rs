@@ -1,13 +1,14 @@
 //! How surfaces scatter light: Mitsuba's plugins, with its semantics (one-sided unless transmissive or `TwoSided`).
 
 use super::{ColorTexture, FloatTexture, Rgb, TextureId};
+use serde::{Deserialize, Serialize};
 
 /// Index into [`super::Scene::materials`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct MaterialId(pub u32);
 
 /// Distribution of microfacet normals.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Distribution {
     /// Beckmann & Spizzichino 1963.
     #[default]
@@ -17,7 +18,7 @@ pub enum Distribution {
 }
 
 /// Normalisation of the Ward model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WardVariant {
     /// Ward 1992, 1/√(cosθi cosθo).
     Ward,
@@ -28,7 +29,7 @@ pub enum WardVariant {
 
 /// A scattering model. `eta` is the index of refraction inside over outside, outside being the side of the normal.
 /// Roughness parameters are the α of the distribution along the surface's u and v.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Material {
     /// Lambertian reflection.
     Diffuse {

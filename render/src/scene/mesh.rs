@@ -2,9 +2,10 @@
 
 use super::{AreaEmitter, MaterialId};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+use serde::{Deserialize, Serialize};
 
 /// An indexed triangle mesh. A triangle (a, b, c) faces along (b − a) × (c − a).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Vertex indices of the triangles.
     pub triangles: Vec<[u32; 3]>,
@@ -17,7 +18,7 @@ pub struct Mesh {
 }
 
 /// A sphere, kept exact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
     /// Centre.
     pub center: Vec3A,
@@ -30,7 +31,7 @@ pub struct Sphere {
 }
 
 /// Where a surface is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Geometry {
     /// Triangles.
     Mesh(Mesh),
@@ -39,7 +40,7 @@ pub enum Geometry {
 }
 
 /// A surface with its material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// Where it is: world space, or the group's space inside a [`Group`].
     pub geometry: Geometry,
@@ -50,14 +51,14 @@ pub struct Shape {
 }
 
 /// Shapes stored once, drawn by every [`Instance`] of the group.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     /// The shapes, none of which emits.
     pub shapes: Vec<Shape>,
 }
 
 /// A group placed in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Instance {
     /// Index into [`super::Scene::groups`].
     pub group: u32,

@@ -20,11 +20,13 @@ pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
 pub use texture::{Bitmap, ColorTexture, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};
 pub use validate::SceneError;
 
+use serde::{Deserialize, Serialize};
+
 /// A linear RGB triple: reflectance, radiance, intensity.
 pub type Rgb = glam::Vec3A;
 
 /// How far light is followed, in Mitsuba's counting.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IntegratorSettings {
     /// Largest number of path segments from the eye to the light: 1 shows only emitters, 2 adds direct light;
     /// `u32::MAX` has no limit.
@@ -44,7 +46,7 @@ impl Default for IntegratorSettings {
 }
 
 /// A whole scene.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Scene {
     /// Shapes in world space.
     pub shapes: Vec<Shape>,

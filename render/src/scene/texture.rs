@@ -2,13 +2,14 @@
 
 use super::Rgb;
 use glam::{Affine2, Vec2};
+use serde::{Deserialize, Serialize};
 
 /// Index into [`super::Scene::textures`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct TextureId(pub u32);
 
 /// A colour, constant or from a texture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ColorTexture {
     /// The same everywhere.
     Constant(Rgb),
@@ -19,7 +20,7 @@ pub enum ColorTexture {
 }
 
 /// A number, constant or from a texture (its first channel).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FloatTexture {
     /// The same everywhere.
     Constant(f32),
@@ -30,7 +31,7 @@ pub enum FloatTexture {
 }
 
 /// Something looked up by texture coordinates.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Texture {
     /// An image.
     Bitmap(Bitmap),
@@ -46,7 +47,7 @@ pub enum Texture {
 }
 
 /// Decoded linear texels, row by row from the top of the image.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Texels {
     /// Three channels.
     Rgb(Vec<[f32; 3]>),
@@ -55,7 +56,7 @@ pub enum Texels {
 }
 
 /// What lies outside [0, 1)².
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Wrap {
     /// The image again.
     #[default]
@@ -67,7 +68,7 @@ pub enum Wrap {
 }
 
 /// How texels become a function.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
     /// The texel that contains the point.
     Nearest,
@@ -78,7 +79,7 @@ pub enum Interpolation {
 
 /// An image as a texture. (u, v) = (0, 0) is the outer corner of the first texel of the first (top) row and v grows
 /// downwards: a loader whose format counts v from the bottom flips it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bitmap {
     /// Texels per row.
     pub width: u32,

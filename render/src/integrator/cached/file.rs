@@ -15,13 +15,14 @@ use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::IrradianceRecord;
 use crate::scene::checksum::{Checksums, Hash};
 use crate::world::World;
+use fitter::command::output::{self, OutputError};
 use glam::Vec3A;
 use serde::{Deserialize, Serialize};
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BURNREC\n";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const MAX_HEADER: usize = 1 << 16;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
@@ -29,9 +30,12 @@ const MAX_BYTES: u64 = 4 << 30;
 /// Why a cache file is of no use.
 #[derive(Debug, thiserror::Error)]
 pub enum CacheFileError {
-    /// It cannot be read or written.
+    /// It cannot be read.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// It cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// It is not a cache file, or damaged.
     #[error("not a cache file, or a damaged one: {0}; remove it to fill a new one")]
     Format(&'static str),
@@ -46,6 +50,7 @@ struct Header {
     scene: u64,
     materials: u64,
     tables: u64,
+    method: u64,
     camera: u64,
     estimator: Estimator,
     tolerance: f32,
@@ -70,12 +75,17 @@ pub struct Loaded {
 fn header(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -> Header {
     let Checksums { geometry, materials, camera } = Checksums::new(&world.scene);
     let mut tables = Hash::default();
-    policy.lobes.iter().for_each(|l| tables.text(&format!("{:?}", l.table.header)));
-    tables.text(&format!("{:?}", policy.projection));
+    for lobe in &policy.lobes {
+        // A table that was too large for its file would have none to be told from.
+        tables.bytes(&lobe.table.to_bytes().unwrap_or_default());
+    }
+    let mut method = Hash::default();
+    method.encoded(&(policy.treatments(), policy.projection));
     Header {
         scene: geometry,
         materials,
         tables: tables.finish(),
+        method: method.finish(),
         camera,
         estimator: settings.estimator,
         tolerance,
@@ -139,11 +149,7 @@ pub fn save(
         record.numbers().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     }
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(&bytes)?;
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
+    Ok(output::write(path, &bytes)?)
 }
 
 /// Reads caches that fit the scene, its materials and tables. Allocates no more than a small multiple of the file.
@@ -159,7 +165,21 @@ pub fn load(
 ) -> Result<Loaded, CacheFileError> {
     let mut bytes = Vec::new();
     std::fs::File::open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
-    let mut reader = Reader { bytes: &bytes };
+    from_bytes(&bytes, world, policy, settings, tolerance)
+}
+
+/// [`load`] from memory.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_bytes(
+    bytes: &[u8],
+    world: &World,
+    policy: &Policy,
+    settings: &Settings,
+    tolerance: f32,
+) -> Result<Loaded, CacheFileError> {
+    let mut reader = Reader { bytes };
     if reader.take(8)? != MAGIC {
         return Err(CacheFileError::Format("wrong magic"));
     }
@@ -181,9 +201,11 @@ pub fn load(
     let same = [
         (found.scene == wanted.scene, "scene"),
         (found.materials == wanted.materials, "set of materials"),
+        (found.method == wanted.method, "method"),
         (found.tables == wanted.tables, "set of tables"),
         (found.estimator == wanted.estimator, "estimator"),
         (found.indirect_only == wanted.indirect_only, "part of the light"),
+        (found.sources == wanted.sources, "number of sources"),
     ];
     if let Some((_, what)) = same.into_iter().find(|(same, _)| !same) {
         return Err(CacheFileError::Stale(what));

@@ -6,9 +6,10 @@ use crate::scene::{ColorTexture, Distribution, FloatTexture, Material, Rgb, Scen
 use brdf_tables::brdf::{self, Fresnel, Microfacet, Phong, Specular, Ward};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
+use serde::Serialize;
 
 /// How the indirect light of a material is found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Treatment {
     /// Irradiance records: nothing but a Lambertian part.
     Irradiance,
@@ -166,6 +167,11 @@ impl Policy {
         if found.traced >= 1.0 { Treatment::Traced } else { Treatment::Harmonics { brdf } }
     }
 
+    /// How every material is treated.
+    pub(super) fn treatments(&self) -> &[Treatment] {
+        &self.treatments
+    }
+
     /// How material number `index` is treated.
     #[inline]
     pub fn treatment(&self, index: u32) -> Treatment {
@@ -189,14 +195,14 @@ fn reason(material: &Material, allowed: Allowed) -> &'static str {
 /// The specular part of a material at unit strength, where it is the same everywhere.
 pub fn specular(material: &Material) -> Option<Specular> {
     let constant = |t: &FloatTexture| match t {
-        FloatTexture::Constant(x) => Some(f64::from(*x)),
+        FloatTexture::Constant(x) => Some(written(*x)),
         _ => None,
     };
     let facets = |d: &Distribution| match d {
         Distribution::Beckmann => brdf::Distribution::Beckmann,
         Distribution::Ggx => brdf::Distribution::Ggx,
     };
-    let rgb = |c: &Rgb| c.to_array().map(|x| f64::from(x).max(MIN_INDEX));
+    let rgb = |c: &Rgb| c.to_array().map(|x| written(x).max(MIN_INDEX));
     match material {
         Material::Phong { exponent, .. } => Some(Specular::Phong(Phong { exponent: constant(exponent)? })),
         Material::Ward { variant, alpha_u, alpha_v, .. } => Some(Specular::Ward(Ward {
@@ -217,13 +223,19 @@ pub fn specular(material: &Material) -> Option<Specular> {
         // A dielectric is a conductor that does not absorb.
         Material::RoughPlastic { distribution, alpha, eta, .. } => Some(Specular::Microfacet(Microfacet {
             distribution: facets(distribution),
-            alpha_x: f64::from(*alpha),
-            alpha_y: f64::from(*alpha),
-            fresnel: Fresnel::Conductor { eta: [f64::from(*eta); 3], k: [MIN_INDEX; 3] },
+            alpha_x: written(*alpha),
+            alpha_y: written(*alpha),
+            fresnel: Fresnel::Conductor { eta: [written(*eta); 3], k: [MIN_INDEX; 3] },
         })),
         _ => None,
     }
     .filter(|s| Recipe::specular(*s).validate().is_ok())
+}
+
+/// A number of a scene as a person would write it, the shortest that single precision cannot tell from it: 0.2, not
+/// 0.20000000298.
+fn written(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(x.into())
 }
 
 /// Smallest index that a recipe takes.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 pub(super) const MIN_ORDER: usize = 3;
 
 /// Which order a direction takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum OrderChoice {
     /// The least one that loses at most this share of ∫(f_r cosθ)² dω; directions that no order up to [`MAX_ORDER`] holds are
     /// not cached.

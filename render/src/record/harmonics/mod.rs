@@ -21,7 +21,7 @@ pub use read::Reader;
 pub use store::HarmonicsRecord;
 
 /// How radiance is projected and stored.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct HarmonicsSettings {
     /// Functions.
     pub basis: Basis,

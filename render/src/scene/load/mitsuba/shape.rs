@@ -243,7 +243,7 @@ impl Pending {
             Source::File(file) => {
                 let (mesh, warnings) =
                     file.parse().map_err(|error| LoadError::Asset { place: file.place.clone(), error })?;
-                (Geometry::Mesh(mesh), dropped)
+                (Geometry::Mesh(mesh), warnings)
             }
         };
         Ok((Shape { geometry, material: self.material, emitter: self.emitter }, warnings))

@@ -1,0 +1,59 @@
+//! Temporary files that are being written: a signal that ends the process removes them.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A temporary file, for as long as the value lives.
+#[derive(Debug)]
+pub struct Pending(PathBuf);
+
+impl Pending {
+    /// Notes a file.
+    pub fn new(path: &Path) -> Self {
+        PENDING.lock().unwrap_or_else(PoisonError::into_inner).push(path.into());
+        Self(path.into())
+    }
+}
+
+impl Drop for Pending {
+    fn drop(&mut self) {
+        PENDING.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| *p != self.0);
+    }
+}
+
+/// Sets the process up to be ended: what Ctrl-C and the like interrupt leaves no temporary file, and a file that grows
+/// beyond what the shell's `ulimit -f` allows is an error of that file instead of the end of the process.
+#[cfg(unix)]
+pub fn watch() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::{flag, iterator::Signals, low_level::emulate_default_handler};
+    // Where a handler cannot be set, the default remains.
+    let _ = flag::register(SIGXFSZ, Default::default());
+    let heeded = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|s| !ignored(*s));
+    let Ok(mut signals) = Signals::new(heeded) else { return };
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            // Held until the process is gone: no new file appears.
+            let pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
+            for path in pending.iter() {
+                let _ = std::fs::remove_file(path);
+            }
+            let _ = emulate_default_handler(signal);
+        }
+    });
+}
+
+/// Nothing to set up.
+#[cfg(not(unix))]
+pub fn watch() {}
+
+/// Whether whoever started the process has it ignore a signal (`nohup`, jobs in the background of a script).
+#[cfg(unix)]
+fn ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}

@@ -1,0 +1,81 @@
+//! The files of `render image`: looked at before the work begins, and every one of them tried at its end.
+
+use super::image::{Args, Stats};
+use anyhow::{Result, bail};
+use fitter::command::output::{self, Outputs};
+use render::film::Picture;
+use render::image::{write_picture, write_png};
+use render::inspect::overlay::show_records;
+use render::integrator::cached::policy::Policy;
+use render::integrator::cached::{Caches, Settings, file};
+use render::world::World;
+use std::path::Path;
+use std::time::Instant;
+
+/// Refuses places that cannot be written, and names that do not say which format.
+///
+/// # Errors
+/// The first such place.
+pub(super) fn check(args: &Args) -> Result<()> {
+    let mut outputs = Outputs::beside([args.scene.as_path()]);
+    for path in &args.output {
+        outputs.file_of(path, &["exr", "png"])?;
+    }
+    if let Some(path) = &args.show_records {
+        outputs.file_of(path, &["png"])?;
+    }
+    for path in args.cache.iter().chain(&args.stats) {
+        outputs.file(path)?;
+    }
+    Ok(())
+}
+
+/// Records of a run, with what they were made for.
+pub(super) struct Records {
+    pub policy: Policy,
+    pub settings: Settings,
+    pub tolerance: f32,
+    pub caches: Caches,
+}
+
+/// Writes the picture, then what belongs to it. One file that cannot be written does not take another with it.
+///
+/// # Errors
+/// All files that could not be written.
+pub(super) fn write(
+    args: &Args,
+    world: &World,
+    picture: &Picture,
+    records: Option<&Records>,
+    stats: &mut Stats,
+    start: Instant,
+) -> Result<()> {
+    let writing = Instant::now();
+    let mut failures = Vec::new();
+    let mut tried = |path: &Path, result: Result<()>| {
+        if let Err(error) = result {
+            failures.push(fitter::command::one_line(&error.context(path.display().to_string())));
+        }
+    };
+    for path in &args.output {
+        tried(path, write_picture(path, picture).map_err(Into::into));
+    }
+    if let Some(Records { policy, settings, tolerance, caches }) = records {
+        if let Some(path) = &args.show_records {
+            tried(path, write_png(path, &show_records(&picture.image(), world, caches)).map_err(Into::into));
+        }
+        if let Some(path) = &args.cache {
+            tried(path, file::save(path, world, policy, settings, *tolerance, caches).map_err(Into::into));
+        }
+    }
+    stats.seconds.write = writing.elapsed().as_secs_f64();
+    stats.seconds.total = start.elapsed().as_secs_f64();
+    if let Some(path) = &args.stats {
+        let text = serde_json::to_string_pretty(stats)? + "\n";
+        tried(path, output::write(path, text.as_bytes()).map_err(Into::into));
+    }
+    if !failures.is_empty() {
+        bail!("{}", failures.join("; "));
+    }
+    Ok(())
+}
