@@ -1,7 +1,7 @@
 //! `render compare`.
 
 use anyhow::{Context, Result, bail};
-use render::image::{Image, read, read_noise, write_png};
+use render::image::{Image, Pixels, read_noise, read_pixels, write_png};
 use render::metric::defects::Defects;
 use render::metric::{Comparison, compare, false_color};
 use render::z_test::{ZScores, ZTest, z_test};
@@ -12,7 +12,7 @@ use std::process::ExitCode;
 /// Arguments of `render compare`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Picture to judge (EXR, HDR or PNG).
+    /// Picture to judge (EXR, HDR, PNG or JPEG).
     image: PathBuf,
     /// What it should look like.
     reference: PathBuf,
@@ -75,12 +75,37 @@ fn table(name: &str, z: &ZScores) -> String {
     )
 }
 
+/// Reads both pictures, which must not be different parts of one.
+fn read_both(args: &Args) -> Result<(Image, Image)> {
+    let read = |path: &PathBuf| -> Result<Pixels> {
+        let pixels = read_pixels(path)?;
+        for warning in &pixels.warnings {
+            eprintln!("render: warning: {}: {warning}", path.display());
+        }
+        Ok(pixels)
+    };
+    let (image, reference) = (read(&args.image)?, read(&args.reference)?);
+    if let (Some(a), Some(b)) = (&image.windows, &reference.windows)
+        && a.are_other_parts_than(b)
+    {
+        bail!(
+            "{} and {}: other parts of one picture: the data windows are {} and {}, the display window is {}",
+            args.image.display(),
+            args.reference.display(),
+            a.data,
+            b.data,
+            a.display
+        );
+    }
+    Ok((image.into(), reference.into()))
+}
+
 /// Compares, prints, and judges.
 pub fn run(args: &Args) -> Result<ExitCode> {
     if args.fail_above.is_some_and(|limit| limit.is_nan() || limit < 0.0) {
         bail!("--fail-above needs a number ≥ 0");
     }
-    let (image, reference) = (read(&args.image)?, read(&args.reference)?);
+    let (image, reference) = read_both(args)?;
     let place = || format!("{} and {}", args.image.display(), args.reference.display());
     let figures = compare(&image, &reference).with_context(place)?;
     if let Some(path) = &args.false_color {

@@ -5,7 +5,7 @@ mod write;
 
 use thiserror::Error;
 
-pub use read::{read, read_noise};
+pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
 pub use write::{write_picture, write_png, write_whole};
 
 /// Linear RGB, row by row from the top.

@@ -180,6 +180,9 @@ impl Builder<'_> {
             (Some(name), _) => {
                 let at = ["r", "g", "b", "a"].iter().position(|c| *c == name);
                 let at = at.ok_or_else(|| object.error(format!("no channel `{name}` (r, g, b or a)")))?;
+                if let Some((x, y)) = pixels.alpha_not_finite().filter(|_| at == 3) {
+                    return Err(object.error(format!("alpha of pixel ({x}, {y}) is not finite")));
+                }
                 let transfer = if at == 3 { Transfer::Linear } else { transfer };
                 Texels::Gray(pixels.rgba.iter().map(|p| transfer.decode(p[at], pixels.display_referred)).collect())
             }
@@ -211,9 +214,13 @@ impl Builder<'_> {
     }
 
     /// An image file named by `object`.
-    pub(super) fn read_image(&self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
+    pub(super) fn read_image(&mut self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
         let error = |source| LoadError::Asset { place: object.place.clone(), source };
-        image::read(&self.objects.path(object, name)).map_err(error)
+        let pixels = image::read(&self.objects.path(object, name)).map_err(error)?;
+        for warning in &pixels.warnings {
+            self.warn(object, format_args!("{name}: {warning}"));
+        }
+        Ok(pixels)
     }
 }
 
