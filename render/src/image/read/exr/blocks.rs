@@ -116,6 +116,10 @@ impl<'a> Blocks<'a> {
             }
             header.to_mut().channels.bytes_per_pixel = bytes / pixels;
         }
+        if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+            let whole = section.size.x().next_multiple_of(8) * section.size.y().next_multiple_of(8);
+            check_dwa(block.data, whole.saturating_mul(header.channels.list.len()))?;
+        }
         let data = block.data.to_vec();
         let bytes = header.compression.decompress_image_section_from_le(&header, data, section, false);
         Ok((section, bytes.map_err(text)?))
@@ -214,6 +218,14 @@ fn data<'a>(bytes: &'a [u8], header: &Header, tile: TileCoordinates, part: Optio
     };
     let length = cursor.usize()?;
     cursor.take(length).filter(|data| named && !data.is_empty())
+}
+
+/// The crate allocates what the counters before a DWA block say; each counts bytes or coefficients of so many samples
+/// of at most four bytes.
+fn check_dwa(data: &[u8], samples: usize) -> Result<(), String> {
+    let counters = data.as_chunks::<8>().0.iter().take(10).skip(1).map(|b| u64::from_le_bytes(*b));
+    let most = samples.saturating_mul(4) as u64;
+    if counters.max().is_some_and(|c| c > most) { Err("a DWA block is broken".into()) } else { Ok(()) }
 }
 
 /// Bytes that one compressed byte can stand for: deflate repeats 1032 times at most, and DWA keeps 2 bytes of 128 before
