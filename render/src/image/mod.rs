@@ -23,12 +23,12 @@ pub struct Image {
 #[derive(Debug, Error)]
 pub enum ImageError {
     /// The file system said no.
-    #[error("{path}: {source}")]
+    #[error("{path}: {error}")]
     Io {
         /// The file.
         path: String,
-        /// What it said.
-        source: std::io::Error,
+        /// What it said; no `source`, which would be printed twice.
+        error: std::io::Error,
     },
     /// The content is broken or too large.
     #[error("{path}: {reason}")]
@@ -38,7 +38,7 @@ pub enum ImageError {
         /// What is wrong.
         reason: String,
     },
-    /// Neither EXR nor PNG (nor HDR, when reading).
+    /// No format that is written.
     #[error("{0}: the name must end in {1}")]
     Extension(String, &'static str),
 }

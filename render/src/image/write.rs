@@ -77,7 +77,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
         }
         file.persist(path).map_err(|e| e.error)
     };
-    write().map(drop).map_err(|source| ImageError::Io { path: path.display().to_string(), source })
+    write().map(drop).map_err(|error| ImageError::Io { path: path.display().to_string(), error })
 }
 
 /// Attribute of an EXR: samples per pixel.

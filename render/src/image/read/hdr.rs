@@ -58,7 +58,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         primaries::transform(&mut rgba, matrix);
     }
     let (width, height) = (order.width, order.height);
-    Ok(Pixels { width, height, rgba, display_referred: false, windows: None, warnings: Vec::new() })
+    Ok(Pixels { width, height, rgba, ..Pixels::default() })
 }
 
 /// The next line, without its end.

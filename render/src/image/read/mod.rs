@@ -22,7 +22,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 const MAX_FILE: u64 = 1 << 33;
 
 /// A decoded picture, row by row from the top; values as stored: no transfer function has been undone.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pixels {
     /// Pixels per row.
     pub width: u32,
@@ -122,7 +122,7 @@ fn checked(pixels: Pixels, path: &Path) -> Result<Pixels, ImageError> {
 
 /// Reads a regular file: devices never end.
 fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
-    let io = |source| ImageError::Io { path: path.display().to_string(), source };
+    let io = |error| ImageError::Io { path: path.display().to_string(), error };
     let metadata = std::fs::metadata(path).map_err(io)?;
     if !metadata.is_file() {
         return Err(content(path, "not a file"));

@@ -109,7 +109,7 @@ impl<'a> File<'a> {
         if let Some(matrix) = matrix {
             primaries::transform(&mut rgba, matrix);
         }
-        Ok(Pixels { width, height, rgba, display_referred: false, windows: Some(windows), warnings: Vec::new() })
+        Ok(Pixels { width, height, rgba, windows: Some(windows), ..Pixels::default() })
     }
 }
 
