@@ -154,7 +154,8 @@ fn mistakes_are_named() {
     f.bad("compare a.exr small.exr", "24×16");
     f.bad("compare a.exr a.exr --fail-above x", "--fail-above");
     f.bad("compare a.exr a.exr --false-color c.exr", ".png");
-    f.bad("compare a.txt a.txt", ".exr, .png or .hdr");
+    f.bad("compare a.txt a.txt", "a.txt: No such file or directory (os error 2)\n");
+    f.bad("compare scene.xml scene.xml", "scene.xml: not an OpenEXR, Radiance HDR, PNG or JPEG image");
 }
 
 const GLOSSY: &str = r#"<scene version="3.0.0">

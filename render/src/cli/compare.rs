@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use fitter::command::number::{number, whole};
 use fitter::command::output::Outputs;
-use render::image::{Image, read, read_noise, write_png};
+use render::image::{Image, Pixels, read_noise, read_pixels, write_png};
 use render::metric::defects::Defects;
 use render::metric::{Comparison, compare, false_color};
 use render::z_test::{ZScores, ZTest, z_test};
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 /// Arguments of `render compare`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Picture to judge (EXR, HDR or PNG).
+    /// Picture to judge (EXR, HDR, PNG or JPEG).
     image: PathBuf,
     /// What it should look like.
     reference: PathBuf,
@@ -77,12 +77,37 @@ fn table(name: &str, z: &ZScores) -> String {
     )
 }
 
+/// Reads both pictures, which must not be different parts of one.
+fn read_both(args: &Args) -> Result<(Image, Image)> {
+    let read = |path: &PathBuf| -> Result<Pixels> {
+        let pixels = read_pixels(path)?;
+        for warning in &pixels.warnings {
+            eprintln!("render: warning: {}: {warning}", path.display());
+        }
+        Ok(pixels)
+    };
+    let (image, reference) = (read(&args.image)?, read(&args.reference)?);
+    if let (Some(a), Some(b)) = (&image.windows, &reference.windows)
+        && a.are_other_parts_than(b)
+    {
+        bail!(
+            "{} and {}: other parts of one picture: the data windows are {} and {}, the display window is {}",
+            args.image.display(),
+            args.reference.display(),
+            a.data,
+            b.data,
+            a.display
+        );
+    }
+    Ok((image.into(), reference.into()))
+}
+
 /// Compares, prints, and judges.
 pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(path) = &args.false_color {
         Outputs::beside([args.image.as_path(), &args.reference]).file_of(path, &["png"])?;
     }
-    let (image, reference) = (read(&args.image)?, read(&args.reference)?);
+    let (image, reference) = read_both(args)?;
     let place = || format!("{} and {}", args.image.display(), args.reference.display());
     let figures = compare(&image, &reference).with_context(place)?;
     let z_test = if args.z_test { Some(judge(args, &image, &reference)?) } else { None };

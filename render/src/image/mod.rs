@@ -5,7 +5,7 @@ mod write;
 
 use thiserror::Error;
 
-pub use read::{read, read_noise};
+pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
 pub use write::{write_picture, write_png, write_whole};
 
 /// Linear RGB, row by row from the top.
@@ -23,12 +23,12 @@ pub struct Image {
 #[derive(Debug, Error)]
 pub enum ImageError {
     /// It cannot be read.
-    #[error("{path}: {source}")]
+    #[error("{path}: {error}")]
     Io {
         /// The file.
         path: String,
-        /// What it said.
-        source: std::io::Error,
+        /// What it said; no `source`, which would be printed twice.
+        error: std::io::Error,
     },
     /// It cannot be written.
     #[error(transparent)]
@@ -41,7 +41,7 @@ pub enum ImageError {
         /// What is wrong.
         reason: String,
     },
-    /// Neither EXR nor PNG (nor HDR, when reading).
+    /// No format that is written.
     #[error("{0}: the name must end in {1}")]
     Extension(String, &'static str),
 }

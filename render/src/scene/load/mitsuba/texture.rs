@@ -193,6 +193,9 @@ impl Builder<'_> {
             (Some(name), _) => {
                 let at = ["r", "g", "b", "a"].iter().position(|c| *c == name);
                 let at = at.ok_or_else(|| object.error(format!("no channel `{name}` (r, g, b or a)")))?;
+                if let Some((x, y)) = pixels.alpha_not_finite().filter(|_| at == 3) {
+                    return Err(object.error(format!("alpha of pixel ({x}, {y}) is not finite")));
+                }
                 let transfer = if at == 3 { Transfer::Linear } else { transfer };
                 Texels::Gray(pixels.rgba.iter().map(|p| transfer.decode(p[at], pixels.display_referred)).collect())
             }
@@ -224,19 +227,32 @@ impl Builder<'_> {
     }
 
     /// An image file named by `object`.
-    pub(super) fn read_image(&self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
-        image::read(&self.objects.path(object, name)).map_err(|error| self.objects.asset(object, name, error))
+    pub(super) fn read_image(&mut self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
+        let pixels = image::read(&self.objects.path(object, name));
+        let pixels = pixels.map_err(|error| self.objects.asset(object, name, error))?;
+        self.warn_of(object, name, &pixels);
+        Ok(pixels)
+    }
+
+    /// What the file of an image left open.
+    fn warn_of(&mut self, object: &Object, name: &str, pixels: &Pixels) {
+        for warning in &pixels.warnings {
+            self.warn(object, format_args!("{name}: {warning}"));
+        }
     }
 
     /// The image of a texture; an even grey where it is missing and may be.
     fn texture_image(&mut self, object: &Object, decode: Decode) -> Result<(Pixels, bool), LoadError> {
         let name = object.require_text("filename")?;
         match image::read(&self.objects.path(object, name)) {
-            Ok(pixels) => Ok((pixels, true)),
+            Ok(pixels) => {
+                self.warn_of(object, name, &pixels);
+                Ok((pixels, true))
+            }
             Err(error) if error.missing && self.skip_missing => {
                 self.missing_textures.push(name.into());
                 let z = if decode == Decode::Vector { 1.0 } else { 0.5 };
-                Ok((Pixels { width: 1, height: 1, rgba: vec![[0.5, 0.5, z, 0.5]], display_referred: false }, false))
+                Ok((Pixels { width: 1, height: 1, rgba: vec![[0.5, 0.5, z, 0.5]], ..Pixels::default() }, false))
             }
             Err(error) if error.missing => {
                 let error = error.advise("--skip-missing draws an even grey instead");
