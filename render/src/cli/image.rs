@@ -15,7 +15,7 @@ use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
 use render::scene::{Camera, Crop, Scene, load};
 use render::tables::Tables;
-use render::world::World;
+use render::world::{Counts, World};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -202,6 +202,7 @@ struct Stats {
     method: &'static str,
     seconds: Seconds,
     rays: u64,
+    not_finite: u64,
     records: u64,
     eas_mean: f64,
     order_mean: f64,
@@ -308,12 +309,22 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         write_picture(output, &picture)?;
     }
     stats.seconds.write = writing.elapsed().as_secs_f64();
-    (stats.rays, stats.spp) = (picture.rays, picture.spp);
+    let Counts { rays, paths, not_finite } = picture.counts;
+    (stats.rays, stats.not_finite, stats.spp) = (rays, not_finite, picture.spp);
+    if let Some(warning) = not_finite_warning(not_finite, paths) {
+        eprintln!("render: warning: {warning}");
+    }
     stats.seconds.total = start.elapsed().as_secs_f64();
     if let Some(path) = &args.stats {
         write_whole(path, (serde_json::to_string_pretty(&stats)? + "\n").as_bytes())?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Said where so many paths were dropped that a picture may show it.
+fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
+    let too_many = u128::from(dropped) * 1_000_000 > u128::from(paths);
+    too_many.then(|| format!("{dropped} of {paths} paths were not finite and count as black: the picture is too dark"))
 }
 
 fn budget(args: &Args, scene: &Scene) -> Budget {

@@ -4,7 +4,6 @@ use crate::bvh::{Stack, TriangleBvh};
 use crate::ray::{Hit, Ray};
 use crate::sampler::toss;
 use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Shape, Sphere};
-use core::f32::consts::{PI, TAU};
 use glam::{Affine3A, Vec2, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
@@ -153,7 +152,7 @@ impl Aggregate {
             let index = bvh.primitive_indices[slot];
             match self.objects[index as usize] {
                 Object::Sphere { shape, sphere } => {
-                    let mut roots = intersect_sphere(&sphere, ray).into_iter().flatten();
+                    let mut roots = sphere.hits(ray).into_iter().flatten();
                     let there = |t: f32| self.sphere_is_there(context, shape, &sphere, ray, t);
                     if let Some(t) = roots.find(|&t| t > ray.t_min && t < hit.t && there(t)) {
                         let primitive = self.triangles.len() as u32 + index;
@@ -213,15 +212,6 @@ impl crate::scene::Mesh {
     }
 }
 
-impl Sphere {
-    /// Texture coordinates in the unit direction `outward` from the centre.
-    pub(crate) fn uv(&self, outward: Vec3A) -> Vec2 {
-        let local = self.rotation.transpose() * outward;
-        let phi = local.y.atan2(local.x);
-        Vec2::new(if phi < 0.0 { phi + TAU } else { phi } / TAU, local.z.clamp(-1.0, 1.0).acos() / PI)
-    }
-}
-
 /// The ray in the space `t` leads to; distances along it stay the same.
 fn transform(t: &Affine3A, ray: &Ray) -> Ray {
     Ray { origin: t.transform_point3a(ray.origin), direction: t.transform_vector3a(ray.direction), ..*ray }
@@ -231,21 +221,4 @@ fn placed_bounds(min: Vec3A, max: Vec3A, to_world: &Affine3A) -> Bounds {
     let center = to_world.transform_point3a(0.5 * (min + max));
     let half = to_world.matrix3.abs() * (0.5 * (max - min));
     Bounds(center - half, center + half)
-}
-
-/// Both distances to the sphere, nearest first, in the form that does not cancel (Haines et al. 2019, "Precision
-/// improvements for ray/sphere intersection").
-fn intersect_sphere(sphere: &Sphere, ray: &Ray) -> [Option<f32>; 2] {
-    let f = ray.origin - sphere.center;
-    let a = ray.direction.length_squared();
-    let b = -f.dot(ray.direction);
-    let off_axis = f + ray.direction * (b / a);
-    let discriminant = sphere.radius * sphere.radius - off_axis.length_squared();
-    if discriminant < 0.0 {
-        return [None, None];
-    }
-    let c = (f.length() - sphere.radius) * (f.length() + sphere.radius);
-    let q = b + (a * discriminant).sqrt().copysign(b);
-    let (t0, t1) = (c / q, q / a);
-    if t0 <= t1 { [Some(t0), Some(t1)] } else { [Some(t1), Some(t0)] }
 }

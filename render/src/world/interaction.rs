@@ -49,11 +49,13 @@ impl Interaction {
         Ray::new(self.origin_towards(direction), direction)
     }
 
-    /// A ray from here to the point `target`, which it does not reach.
+    /// A ray from here to the point `target`, which it does not reach: it ends `clearance` and a little before.
     #[inline]
-    pub fn spawn_to(&self, target: Vec3A) -> Ray {
+    pub fn spawn_to(&self, target: Vec3A, clearance: f32) -> Ray {
         let origin = self.origin_towards(target - self.p);
-        Ray { origin, direction: target - origin, t_min: 0.0, t_max: 1.0 - 1e-4 }
+        let direction = target - origin;
+        let t_max = 1.0 - 1e-4 - clearance / direction.length().max(f32::MIN_POSITIVE);
+        Ray { origin, direction, t_min: 0.0, t_max }
     }
 }
 
@@ -162,7 +164,7 @@ fn tangents(mesh: &Mesh, corners: [usize; 3], e1: Vec3A, e2: Vec3A) -> [Vec3A; 2
 }
 
 fn on_sphere(shape: &Shape, sphere: &Sphere, ray: &Ray, hit: &Hit, emitter: Option<u32>) -> Interaction {
-    let outward = (ray.origin + ray.direction * hit.t - sphere.center).normalize();
+    let outward = sphere.outward(ray, hit.t);
     let local = sphere.rotation.transpose() * outward;
     let normal = if sphere.inward { -outward } else { outward };
     let sin = local.x.hypot(local.y);

@@ -3,6 +3,7 @@
 mod aggregate;
 mod interaction;
 mod queries;
+mod sphere;
 
 use crate::bsdf::CoatTable;
 use crate::light::{FirstEmitter, Lights};
@@ -11,7 +12,7 @@ use crate::scene::{Material, MaterialId, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
-pub use queries::Queries;
+pub use queries::{Counts, Queries};
 
 /// A scene with everything derived from it.
 #[derive(Clone)]
