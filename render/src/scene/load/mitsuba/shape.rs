@@ -196,7 +196,7 @@ fn source(builder: &Builder, object: &Object, files: &mut HashMap<PathBuf, Arc<V
         }
     };
     let face_normals = object.boolean_or("face_normals", false)?;
-    let finish = Finish { to_world: placed, face_normals, flip_normals: flip };
+    let finish = Finish { to_world: placed, face_normals, flip_normals: flip, ..Finish::default() };
     Ok(Source::File(MeshFile { place: object.place.clone(), path, bytes, format, finish }))
 }
 
