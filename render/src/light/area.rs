@@ -4,6 +4,7 @@ use super::sphere::SphereLamp;
 use super::tree::LightBounds;
 use super::{LightSample, Target, mean};
 use crate::scene::{AreaEmitter, ColorTexture, Mesh, Sphere, Texture};
+use crate::world::Opacity;
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3A};
 
@@ -38,6 +39,8 @@ pub(super) struct Surface {
     uv: [Vec2; 3],
     pub radiance: ColorTexture,
     mean_radiance: f32,
+    /// Share of the surface that is there, where it has holes.
+    opacity: Option<Opacity>,
 }
 
 /// Largest deviation of the fourth corner of a parallelogram, relative to its diagonal.
@@ -49,14 +52,14 @@ const ROUNDING: f32 = 2.0 / (1 << 20) as f32;
 impl Surface {
     /// The emitters of a mesh: one for a parallelogram of two triangles, otherwise one per triangle, or none if no
     /// triangle has an area. Triangles without area keep their place and are never chosen.
-    pub fn of_mesh(mesh: &Mesh, emitter: &AreaEmitter, textures: &[Texture]) -> Vec<Self> {
+    pub fn of_mesh(mesh: &Mesh, emitter: &AreaEmitter, opacity: Option<&Opacity>, textures: &[Texture]) -> Vec<Self> {
         let radiance = emitter.radiance;
-        let mean_radiance = mean(radiance.mean(textures));
+        let mean_radiance = mean_through(radiance, opacity, textures);
         let clearance = ROUNDING * mesh.positions.iter().fold(0f32, |e, p| e.max(p.abs().max_element()));
         let flat = |form, e1: Vec3A, e2: Vec3A, factor: f32, uv| {
             let cross = e1.cross(e2);
-            let (normal, area) = (cross.normalize_or_zero(), factor * cross.length());
-            Self { form, normal, area, clearance, uv, radiance, mean_radiance }
+            let (normal, area, opacity) = (cross.normalize_or_zero(), factor * cross.length(), opacity.cloned());
+            Self { form, normal, area, clearance, uv, radiance, mean_radiance, opacity }
         };
         let corner = |i: u32| Vec3A::from(mesh.positions[i as usize]);
         let corner_uv = |i: u32, barycentric: Vec2| mesh.uvs.get(i as usize).copied().unwrap_or(barycentric);
@@ -66,7 +69,8 @@ impl Surface {
             let uv = [uv0, corner_uv(b, Vec2::X) - uv0, corner_uv(c, Vec2::Y) - uv0];
             flat(Form::Triangle { p0, e1, e2 }, e1, e2, 0.5, uv)
         };
-        if let (&[[a, b, c], [d, e, f]], ColorTexture::Constant(_)) = (&mesh.triangles[..], radiance) {
+        let even = matches!(radiance, ColorTexture::Constant(_)) && !opacity.is_some_and(Opacity::varies);
+        if let (&[[a, b, c], [d, e, f]], true) = (&mesh.triangles[..], even) {
             // Two triangles (a, b, c), (a, c, x) with x = a + c − b.
             if d == a && e == c {
                 let (p0, e1, e2) = (corner(a), corner(b) - corner(a), corner(f) - corner(a));
@@ -82,7 +86,7 @@ impl Surface {
     }
 
     /// An emitting sphere.
-    pub fn sphere(sphere: Sphere, emitter: &AreaEmitter, textures: &[Texture]) -> Self {
+    pub fn sphere(sphere: Sphere, emitter: &AreaEmitter, opacity: Option<&Opacity>, textures: &[Texture]) -> Self {
         let lamp = SphereLamp::new(sphere);
         Self {
             form: Form::Sphere(lamp),
@@ -91,7 +95,8 @@ impl Surface {
             clearance: ROUNDING * (sphere.center.abs().max_element() + sphere.radius),
             uv: [Vec2::ZERO; 3],
             radiance: emitter.radiance,
-            mean_radiance: mean(emitter.radiance.mean(textures)),
+            mean_radiance: mean_through(emitter.radiance, opacity, textures),
+            opacity: opacity.cloned(),
         }
     }
 
@@ -154,10 +159,12 @@ impl Surface {
         pdf: f32,
         uv: Vec2,
     ) -> Option<LightSample> {
-        (pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+        // The shadow ray ends before the lamp, whose holes it does not meet: their share is taken off here.
+        let opacity = self.opacity.as_ref().map_or(1.0, |o| o.at(textures, uv));
+        (pdf > 0.0 && pdf.is_finite() && opacity > 0.0).then(|| LightSample {
             wi,
             target: Target::Point { p: target, clearance: self.clearance },
-            radiance: self.radiance.eval(textures, uv),
+            radiance: self.radiance.eval(textures, uv) * opacity,
             pdf: pdf * probability,
             delta: false,
         })
@@ -176,4 +183,9 @@ impl Surface {
             _ => 0.0,
         }
     }
+}
+
+/// Mean radiance of a lamp with its holes.
+fn mean_through(radiance: ColorTexture, opacity: Option<&Opacity>, textures: &[Texture]) -> f32 {
+    mean(radiance.mean(textures)) * opacity.map_or(1.0, |o| o.mean(textures))
 }

@@ -8,6 +8,7 @@ mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
 use crate::scene::{self, Environment, Geometry, Rgb, Scene, Texture};
+use crate::world::Opacity;
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 use environment::MapSampler;
@@ -101,9 +102,10 @@ impl Lights {
                 first_emitter.push(None);
                 continue;
             };
+            let opacity = Opacity::of(scene, shape.material);
             let surfaces = match &shape.geometry {
-                Geometry::Mesh(mesh) => Surface::of_mesh(mesh, emitter, &scene.textures),
-                Geometry::Sphere(s) => vec![Surface::sphere(*s, emitter, &scene.textures)],
+                Geometry::Mesh(mesh) => Surface::of_mesh(mesh, emitter, opacity.as_ref(), &scene.textures),
+                Geometry::Sphere(s) => vec![Surface::sphere(*s, emitter, opacity.as_ref(), &scene.textures)],
             };
             let per_triangle = matches!(&shape.geometry, Geometry::Mesh(m) if m.triangles.len() == surfaces.len());
             first_emitter

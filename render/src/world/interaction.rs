@@ -1,7 +1,7 @@
 //! The surface where a ray ends.
 
 use super::World;
-use super::aggregate::{Object, TriangleRef};
+use super::aggregate::{Object, TriangleRef, transform};
 use crate::ray::{Hit, NO_INSTANCE, Ray};
 use crate::scene::{Geometry, MaterialId, Mesh, Shape, Sphere};
 use core::f32::consts::{PI, TAU};
@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec2, Vec3A};
 
 /// Relative size of the step a ray starts away from its surface, in the largest coordinate of the triangle: a few
 /// rounding errors of the intersection, so that no ray meets the surface it leaves.
-const OFFSET: f32 = 1.0 / (1 << 20) as f32;
+pub(super) const OFFSET: f32 = 1.0 / (1 << 20) as f32;
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug)]
@@ -91,11 +91,7 @@ impl World {
         let group = &self.groups[instance.group as usize];
         let shapes = &self.scene.groups[instance.group as usize].shapes;
         let to_group = instance.to_world.inverse();
-        let local = Ray {
-            origin: to_group.transform_point3a(ray.origin),
-            direction: to_group.transform_vector3a(ray.direction),
-            ..*ray
-        };
+        let local = transform(&to_group, ray);
         let inner = match group.triangles.get(hit.primitive as usize) {
             Some(t) => self.on_triangle(&shapes[t.shape as usize], t, &local, hit, None),
             None => {

@@ -4,6 +4,7 @@ use super::World;
 use crate::bvh::Stack;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Scrambles;
+use core::cell::Cell;
 use core::ops::AddAssign;
 
 /// What was done so far.
@@ -50,13 +51,23 @@ impl Queries {
         self.counts.rays += 1;
         let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
         world.aggregate.intersect(world.context(), &mut self.stack, ray, &mut hit);
-        hit
+        if world.masked { world.through_masks(&mut self.stack, ray, hit) } else { hit }
     }
 
     /// [`World::occluded`].
     #[inline(always)]
     pub fn occluded(&mut self, world: &World, ray: &Ray) -> bool {
         self.counts.rays += 1;
-        world.aggregate.occluded(world.context(), &mut self.stack, ray)
+        let partly = Cell::new(false);
+        let met = world.aggregate.occluded(world.context(), &mut self.stack, ray, &partly);
+        met && (!partly.get() || self.is_stopped(world, ray))
+    }
+
+    /// Whether a ray that meets surfaces with holes is stopped by any of them.
+    #[inline(never)]
+    fn is_stopped(&mut self, world: &World, ray: &Ray) -> bool {
+        let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
+        world.aggregate.intersect(world.context(), &mut self.stack, ray, &mut hit);
+        world.through_masks(&mut self.stack, ray, hit).exists()
     }
 }
