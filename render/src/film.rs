@@ -4,7 +4,7 @@ use crate::camera::RayGenerator;
 use crate::integrator::{Integrator, Radiance};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
-use crate::world::{Queries, World};
+use crate::world::{Counts, Queries, World};
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -47,8 +47,8 @@ pub struct Picture {
     pub spp: u32,
     /// Passes that took them.
     pub passes: u32,
-    /// Rays traced.
-    pub rays: u64,
+    /// Rays, and how many paths were dropped.
+    pub counts: Counts,
 }
 
 /// Samples per pixel of one pass, at most: often enough to look at the clock, seldom enough to cost nothing.
@@ -77,7 +77,7 @@ pub fn render<I: Integrator>(
         pixels: vec![Pixel::default(); count],
         spp: 0,
         passes: 0,
-        rays: 0,
+        counts: Counts::default(),
     };
     let start = Instant::now();
     let level = Level::new();
@@ -105,9 +105,10 @@ pub fn render<I: Integrator>(
                 let part = done as f64 / f64::from(window.height);
                 progress((f64::from(from) + part * f64::from(pass)) / end);
             }
-            queries.rays
+            queries.counts
         };
-        picture.rays += picture.pixels.par_chunks_mut(window.width as usize).enumerate().map(sample_row).sum::<u64>();
+        let rows = picture.pixels.par_chunks_mut(window.width as usize).enumerate().map(sample_row);
+        picture.counts += rows.sum::<Counts>();
         picture.spp = to;
         picture.passes += 1;
         if let Budget::Error(target) = budget {
@@ -148,7 +149,8 @@ fn sample_pixel<I: Integrator>(
     for index in indices {
         let mut sampler = of_pixel.with_index(index);
         let ray = camera.ray(x, y, sampler.next_2d());
-        let mut sample = integrator.radiance(world, ray, &mut sampler, queries).finite();
+        queries.counts.paths += 1;
+        let mut sample = integrator.radiance(world, ray, &mut sampler, queries).finite(queries);
         if sample.distance > 0.0 {
             sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
             pixel.surfaces += 1;

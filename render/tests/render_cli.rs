@@ -30,7 +30,9 @@ fn renders_exr_and_png_and_writes_figures() {
     let png = pixels(&f.path("a.png"));
     assert_eq!((png.width, png.height), (24, 16));
     let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(f.path("s.json")).unwrap()).unwrap();
-    for key in ["method", "rays", "records", "eas_mean", "bytes_per_record", "cache_bytes", "spp", "threads"] {
+    for key in
+        ["method", "rays", "records", "eas_mean", "bytes_per_record", "cache_bytes", "spp", "threads", "not_finite"]
+    {
         assert!(!stats[key].is_null(), "{key}");
     }
     for key in ["load", "fit", "fill", "shade", "write", "total"] {
@@ -40,6 +42,24 @@ fn renders_exr_and_png_and_writes_figures() {
     // the sphere in the centre reflects 0.6 of 0.5; the corner is sky
     let exr = pixels(&f.path("a.exr"));
     assert!((exr.pixels[8 * 24 + 12][1] - 0.3).abs() < 0.01 && exr.pixels[0] == [0.5; 3]);
+}
+
+/// Lamps near the end of the range of single precision, whose sum is beyond it: what is lost is counted and said.
+#[test]
+fn what_is_not_finite_is_counted() {
+    let lamp = r#"<shape type="sphere"><point name="center" x="0" y="0" z="9"/>
+        <emitter type="area"><rgb name="radiance" value="3e38"/></emitter></shape></scene>"#;
+    let folder = Folder::with(&SCENE.replace("</scene>", lamp).replace("value=\"0.5\"", "value=\"3e38\""), &[]);
+    for method in ["path", "irradiance"] {
+        let run = format!("image scene.xml -o a.exr --spp 4 --method {method} --stats s.json");
+        let (_, output) = folder.ok(&run);
+        let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("s.json")).unwrap()).unwrap();
+        assert!(stats["not_finite"].as_u64() > Some(0), "{stats}");
+        assert!(output.contains("paths were not finite"), "{output}");
+        assert!(pixels(&folder.path("a.exr")).pixels.iter().flatten().all(|x| x.is_finite()));
+    }
+    let folder = Folder::with(SCENE, &[]);
+    assert!(!folder.ok("image scene.xml -o a.exr --spp 4").1.contains("not finite"));
 }
 
 #[test]

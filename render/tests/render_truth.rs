@@ -3,6 +3,8 @@
 
 #[path = "render_truth/analytic.rs"]
 mod analytic;
+#[path = "render_truth/lamps.rs"]
+mod lamps;
 #[path = "render_truth/leaks.rs"]
 mod leaks;
 #[path = "render_truth/references.rs"]

@@ -38,7 +38,7 @@ impl<R: Record> Cache<R> {
     /// Adds a record whose radius is set; what is not finite is turned away here, at the cache's only door.
     pub fn insert(&mut self, record: R) {
         let (position, radius) = (record.position(), record.radius());
-        if position.is_finite() && radius.is_finite() && radius > 0.0 {
+        if record.is_finite() && radius.is_finite() && radius > 0.0 {
             self.octree.insert(self.records.len() as u32, position, radius);
             self.records.push(record);
         }

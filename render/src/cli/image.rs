@@ -18,7 +18,7 @@ use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
 use render::scene::{Crop, Scene, load};
 use render::tables::Tables;
-use render::world::World;
+use render::world::{Counts, World};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -193,6 +193,7 @@ pub(super) struct Stats {
     method: &'static str,
     pub(super) seconds: Seconds,
     rays: u64,
+    not_finite: u64,
     records: u64,
     eas_mean: f64,
     order_mean: f64,
@@ -265,9 +266,19 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             (picture, Some(records))
         }
     };
-    (stats.rays, stats.spp) = (picture.rays, picture.spp);
+    let Counts { rays, paths, not_finite } = picture.counts;
+    (stats.rays, stats.not_finite, stats.spp) = (rays, not_finite, picture.spp);
+    if let Some(warning) = not_finite_warning(not_finite, paths) {
+        eprintln!("render: warning: {warning}");
+    }
     outputs::write(args, &world, &picture, records.as_ref(), &mut stats, start)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Said where so many paths were dropped that a picture may show it.
+fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
+    let too_many = u128::from(dropped) * 1_000_000 > u128::from(paths);
+    too_many.then(|| format!("{dropped} of {paths} paths were not finite and count as black: the picture is too dark"))
 }
 
 fn budget(args: &Args, scene: &Scene) -> Budget {

@@ -38,11 +38,27 @@ impl Radiance {
         self.emission + self.direct.sum() + self.indirect.sum()
     }
 
-    /// The same without what is not a finite number: nothing of a broken sample enters a picture.
+    /// Whether every number is finite, and so will be the sum over the samples of a pixel.
     #[inline]
-    pub fn finite(self) -> Self {
-        if self.sum().is_finite() { self } else { Self::default() }
+    pub fn is_finite(&self) -> bool {
+        summable(self.sum() + self.albedo + self.normal + Vec3A::splat(self.distance))
     }
+
+    /// The same, or nothing where a number is not finite: nothing of a broken sample enters a picture. `queries` counts it.
+    #[inline]
+    pub fn finite(self, queries: &mut Queries) -> Self {
+        if self.is_finite() {
+            return self;
+        }
+        queries.counts.not_finite += 1;
+        Self::default()
+    }
+}
+
+/// Whether millions of such numbers have a sum; not so where one is NaN.
+#[inline]
+pub(crate) fn summable(x: Rgb) -> bool {
+    x.abs().cmplt(Vec3A::splat(1e30)).all()
 }
 
 impl AddAssign for Radiance {

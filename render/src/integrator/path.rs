@@ -2,7 +2,7 @@
 
 use super::{Integrator, Radiance};
 use crate::bsdf::{Bsdf, Split};
-use crate::light::{Receiver, Target};
+use crate::light::{Receiver, Target, power_heuristic};
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
@@ -17,13 +17,6 @@ pub struct PathTracer {
     pub settings: IntegratorSettings,
     /// Whether light that is scattered less than twice is left out.
     pub indirect_only: bool,
-}
-
-/// Weight of a sample of density `a` when density `b` could have found it too.
-#[inline]
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    let (a2, b2) = (a * a, b * b);
-    if a2.is_infinite() { 1.0 } else { a2 / (a2 + b2) }
 }
 
 /// Where the path came from, for the weight of an emitter it meets.
@@ -188,7 +181,7 @@ fn sample_lights(
         return;
     }
     let shadow = match light.target {
-        Target::Point(p) => at.spawn_to(p),
+        Target::Point { p, clearance } => at.spawn_to(p, clearance),
         Target::Direction(d) => at.spawn(d),
     };
     if queries.occluded(world, &shadow) {

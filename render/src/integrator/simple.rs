@@ -56,7 +56,7 @@ impl Integrator for SimplePathTracer {
                 && let Some(light) = lights.sample_one(textures, &receiver, index, probability, u)
             {
                 let shadow = match light.target {
-                    Target::Point(p) => at.spawn_to(p),
+                    Target::Point { p, clearance } => at.spawn_to(p, clearance),
                     Target::Direction(d) => at.spawn(d),
                 };
                 if !queries.occluded(world, &shadow) {

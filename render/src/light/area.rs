@@ -1,11 +1,11 @@
 //! Emitting surfaces.
 
+use super::sphere::SphereLamp;
 use super::tree::LightBounds;
 use super::{LightSample, Target, mean};
-use crate::frame::Frame;
-use crate::math::sin_cos_turn;
 use crate::scene::{AreaEmitter, ColorTexture, Mesh, Sphere, Texture};
-use core::f32::consts::{PI, TAU};
+use crate::world::Opacity;
+use core::f32::consts::PI;
 use glam::{Vec2, Vec3A};
 
 /// Shape of an emitter.
@@ -23,7 +23,7 @@ enum Form {
         e1: Vec3A,
         e2: Vec3A,
     },
-    Sphere(Sphere),
+    Sphere(SphereLamp),
 }
 
 /// A surface that emits from its front.
@@ -33,25 +33,33 @@ pub(super) struct Surface {
     /// Unit normal of a flat surface.
     normal: Vec3A,
     area: f32,
+    /// Bound of the rounding of its points.
+    clearance: f32,
     /// Texture coordinates at p0, and their change along e1 and e2.
     uv: [Vec2; 3],
     pub radiance: ColorTexture,
     mean_radiance: f32,
+    /// Share of the surface that is there, where it has holes.
+    opacity: Option<Opacity>,
 }
 
 /// Largest deviation of the fourth corner of a parallelogram, relative to its diagonal.
 const PARALLEL: f32 = 1e-5;
 
+/// Rounding of the points of a lamp and of the rays that meet it, relative to its largest coordinate.
+const ROUNDING: f32 = 2.0 / (1 << 20) as f32;
+
 impl Surface {
     /// The emitters of a mesh: one for a parallelogram of two triangles, otherwise one per triangle, or none if no
     /// triangle has an area. Triangles without area keep their place and are never chosen.
-    pub fn of_mesh(mesh: &Mesh, emitter: &AreaEmitter, textures: &[Texture]) -> Vec<Self> {
+    pub fn of_mesh(mesh: &Mesh, emitter: &AreaEmitter, opacity: Option<&Opacity>, textures: &[Texture]) -> Vec<Self> {
         let radiance = emitter.radiance;
-        let mean_radiance = mean(radiance.mean(textures));
+        let mean_radiance = mean_through(radiance, opacity, textures);
+        let clearance = ROUNDING * mesh.positions.iter().fold(0f32, |e, p| e.max(p.abs().max_element()));
         let flat = |form, e1: Vec3A, e2: Vec3A, factor: f32, uv| {
             let cross = e1.cross(e2);
-            let normal = cross.normalize_or_zero();
-            Self { form, normal, area: factor * cross.length(), uv, radiance, mean_radiance }
+            let (normal, area, opacity) = (cross.normalize_or_zero(), factor * cross.length(), opacity.cloned());
+            Self { form, normal, area, clearance, uv, radiance, mean_radiance, opacity }
         };
         let corner = |i: u32| Vec3A::from(mesh.positions[i as usize]);
         let corner_uv = |i: u32, barycentric: Vec2| mesh.uvs.get(i as usize).copied().unwrap_or(barycentric);
@@ -61,7 +69,8 @@ impl Surface {
             let uv = [uv0, corner_uv(b, Vec2::X) - uv0, corner_uv(c, Vec2::Y) - uv0];
             flat(Form::Triangle { p0, e1, e2 }, e1, e2, 0.5, uv)
         };
-        if let (&[[a, b, c], [d, e, f]], ColorTexture::Constant(_)) = (&mesh.triangles[..], radiance) {
+        let even = matches!(radiance, ColorTexture::Constant(_)) && !opacity.is_some_and(Opacity::varies);
+        if let (&[[a, b, c], [d, e, f]], true) = (&mesh.triangles[..], even) {
             // Two triangles (a, b, c), (a, c, x) with x = a + c − b.
             if d == a && e == c {
                 let (p0, e1, e2) = (corner(a), corner(b) - corner(a), corner(f) - corner(a));
@@ -77,14 +86,17 @@ impl Surface {
     }
 
     /// An emitting sphere.
-    pub fn sphere(sphere: Sphere, emitter: &AreaEmitter, textures: &[Texture]) -> Self {
+    pub fn sphere(sphere: Sphere, emitter: &AreaEmitter, opacity: Option<&Opacity>, textures: &[Texture]) -> Self {
+        let lamp = SphereLamp::new(sphere);
         Self {
-            form: Form::Sphere(sphere),
+            form: Form::Sphere(lamp),
             normal: Vec3A::Z,
-            area: 4.0 * PI * sphere.radius * sphere.radius,
+            area: lamp.area(),
+            clearance: ROUNDING * (sphere.center.abs().max_element() + sphere.radius),
             uv: [Vec2::ZERO; 3],
             radiance: emitter.radiance,
-            mean_radiance: mean(emitter.radiance.mean(textures)),
+            mean_radiance: mean_through(emitter.radiance, opacity, textures),
+            opacity: opacity.cloned(),
         }
     }
 
@@ -92,7 +104,9 @@ impl Surface {
     pub fn bounds(&self) -> LightBounds {
         let power = PI * self.mean_radiance * self.area;
         match self.form {
-            Form::Sphere(s) => LightBounds::new(s.center - s.radius, s.center + s.radius, power, Vec3A::Z, -1.0, 0.0),
+            Form::Sphere(SphereLamp { sphere: Sphere { center, radius, .. }, .. }) => {
+                LightBounds::new(center - radius, center + radius, power, Vec3A::Z, -1.0, 0.0)
+            }
             Form::Triangle { p0, e1, e2 } => {
                 let (a, b) = (p0 + e1, p0 + e2);
                 LightBounds::new(p0.min(a).min(b), p0.max(a).max(b), power, self.normal, 1.0, 0.0)
@@ -120,7 +134,12 @@ impl Surface {
                 };
                 (p0 + e1 * b.x + e2 * b.y, b)
             }
-            Form::Sphere(sphere) => return self.sample_sphere(textures, &sphere, p, probability, u),
+            Form::Sphere(lamp) => {
+                let s = lamp.sample(p, u)?;
+                let Sphere { center, radius, .. } = lamp.sphere;
+                let (target, uv) = (center + s.outward * radius, lamp.sphere.uv(s.outward));
+                return self.finish(textures, s.wi, target, probability, s.pdf, uv);
+            }
         };
         let to_light = target - p;
         let distance = to_light.length();
@@ -140,52 +159,15 @@ impl Surface {
         pdf: f32,
         uv: Vec2,
     ) -> Option<LightSample> {
-        (pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+        // The shadow ray ends before the lamp, whose holes it does not meet: their share is taken off here.
+        let opacity = self.opacity.as_ref().map_or(1.0, |o| o.at(textures, uv));
+        (pdf > 0.0 && pdf.is_finite() && opacity > 0.0).then(|| LightSample {
             wi,
-            target: Target::Point(target),
-            radiance: self.radiance.eval(textures, uv),
+            target: Target::Point { p: target, clearance: self.clearance },
+            radiance: self.radiance.eval(textures, uv) * opacity,
             pdf: pdf * probability,
             delta: false,
         })
-    }
-
-    /// Outside: uniformly over the cone of directions that meet the sphere. Inside: uniformly over the area.
-    fn sample_sphere(
-        &self,
-        textures: &[Texture],
-        s: &Sphere,
-        p: Vec3A,
-        probability: f32,
-        u: Vec2,
-    ) -> Option<LightSample> {
-        let to_center = s.center - p;
-        let distance2 = to_center.length_squared();
-        let radius2 = s.radius * s.radius;
-        if !s.inward && distance2 <= radius2 {
-            return None; // sees the back only
-        }
-        let (sin_phi, cos_phi) = sin_cos_turn(u.y);
-        let outward = if s.inward {
-            let z = 1.0 - 2.0 * u.x;
-            let r = (1.0 - z * z).max(0.0).sqrt();
-            Vec3A::new(r * cos_phi, r * sin_phi, z)
-        } else {
-            // 1 − cos of the angle at p, and from it the angle at the centre.
-            let sin2_max = radius2 / distance2;
-            let one_minus = u.x * one_minus_cos(sin2_max);
-            let cos = 1.0 - one_minus;
-            let sin2 = one_minus * (2.0 - one_minus);
-            let cos_alpha = sin2 / sin2_max.sqrt() + cos * (1.0 - sin2 / sin2_max).max(0.0).sqrt();
-            let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
-            let frame = Frame::from_normal(-to_center / distance2.sqrt());
-            frame.to_world(Vec3A::new(sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha))
-        };
-        let target = s.center + outward * s.radius;
-        let to_light = target - p;
-        let distance = to_light.length();
-        let wi = to_light / distance;
-        let pdf = self.pdf(p, distance, outward.dot(wi).abs());
-        self.finish(textures, wi, target, probability, pdf, s.uv(outward))
     }
 
     /// Density in sr⁻¹ of [`Surface::sample`] at a point at `distance` whose normal makes the cosine `cos` with the
@@ -196,17 +178,14 @@ impl Surface {
             return 0.0;
         }
         match self.form {
-            Form::Sphere(s) if !s.inward => {
-                let sin2_max = s.radius * s.radius / (s.center - p).length_squared();
-                if sin2_max < 1.0 { 1.0 / (TAU * one_minus_cos(sin2_max)) } else { 0.0 }
-            }
+            Form::Sphere(lamp) => lamp.pdf(p, distance, cos),
             _ if self.area > 0.0 => distance * distance / (cos * self.area),
             _ => 0.0,
         }
     }
 }
 
-/// 1 − cos θ from sin² θ, θ ≤ π/2, without cancellation.
-fn one_minus_cos(sin2: f32) -> f32 {
-    sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
+/// Mean radiance of a lamp with its holes.
+fn mean_through(radiance: ColorTexture, opacity: Option<&Opacity>, textures: &[Texture]) -> f32 {
+    mean(radiance.mean(textures)) * opacity.map_or(1.0, |o| o.mean(textures))
 }

@@ -2,11 +2,13 @@
 
 mod area;
 mod environment;
+mod sphere;
 mod split;
 mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
 use crate::scene::{self, Environment, Geometry, Rgb, Scene, Texture};
+use crate::world::Opacity;
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 use environment::MapSampler;
@@ -27,8 +29,8 @@ pub struct Receiver {
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
-    /// At a point.
-    Point(Vec3A),
+    /// At a point, which rounding may have put as far as `clearance` behind the lamp's own surface.
+    Point { p: Vec3A, clearance: f32 },
     /// At infinity, in this unit direction.
     Direction(Vec3A),
 }
@@ -46,6 +48,15 @@ pub struct LightSample {
     pub pdf: f32,
     /// Whether the light is met by no other way of sampling.
     pub delta: bool,
+}
+
+/// Weight of a sample of density `a` when density `b` could have found it too (Veach 1997).
+#[inline]
+pub fn power_heuristic(a: f32, b: f32) -> f32 {
+    let (a2, b2) = (a * a, b * b);
+    let sum = a2 + b2;
+    // Where squares overflow or vanish, the larger takes all.
+    if sum > 0.0 && a2 < f32::INFINITY { a2 / sum } else { f32::from(u8::from(a >= b)) }
 }
 
 /// Emitters of a shape: one for all of it, or one per triangle.
@@ -91,9 +102,10 @@ impl Lights {
                 first_emitter.push(None);
                 continue;
             };
+            let opacity = Opacity::of(scene, shape.material);
             let surfaces = match &shape.geometry {
-                Geometry::Mesh(mesh) => Surface::of_mesh(mesh, emitter, &scene.textures),
-                Geometry::Sphere(sphere) => vec![Surface::sphere(*sphere, emitter, &scene.textures)],
+                Geometry::Mesh(mesh) => Surface::of_mesh(mesh, emitter, opacity.as_ref(), &scene.textures),
+                Geometry::Sphere(s) => vec![Surface::sphere(*s, emitter, opacity.as_ref(), &scene.textures)],
             };
             let per_triangle = matches!(&shape.geometry, Geometry::Mesh(m) if m.triangles.len() == surfaces.len());
             first_emitter
@@ -201,10 +213,12 @@ impl Lights {
         };
         let to_light = position - receiver.p;
         let distance2 = to_light.length_squared();
-        (distance2 > 0.0 && intensity.max_element() > 0.0).then(|| LightSample {
+        let radiance = intensity / distance2;
+        // At the light itself there is no direction, and so near that the square vanishes there is no number.
+        (distance2 >= f32::MIN_POSITIVE && radiance.is_finite() && radiance.max_element() > 0.0).then(|| LightSample {
             wi: to_light / distance2.sqrt(),
-            target: Target::Point(position),
-            radiance: intensity / distance2,
+            target: Target::Point { p: position, clearance: 0.0 },
+            radiance,
             pdf: probability,
             delta: true,
         })

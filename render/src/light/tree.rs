@@ -78,7 +78,9 @@ impl LightBounds {
         let cos_i = -receiver.normal.dot(direction);
         let cos_i = if receiver.one_sided { cos_i.clamp(-1.0, 1.0) } else { cos_i.abs().min(1.0) };
         let cos_arrive = subtract(sin(cos_i), cos_i, sin_b, cos_b).0;
-        (self.power * cos_leave * cos_arrive / distance2.max(radius2).max(f32::MIN_POSITIVE)).max(0.0)
+        // At a light without extent this has no bound; a quarter of the largest number leaves room for the sum of two.
+        let importance = self.power * cos_leave * cos_arrive / distance2.max(radius2).max(f32::MIN_POSITIVE);
+        importance.clamp(0.0, 0.25 * f32::MAX)
     }
 }
 

@@ -223,6 +223,11 @@ impl Record for EasRecord {
     fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&*self.sources)
     }
+    fn is_finite(&self) -> bool {
+        let of = |s: &Eas| [s.inv_distance, s.solid_angle, s.factor].into_iter().chain(s.direction).chain(s.light);
+        let vectors = [self.position, self.normal, self.background];
+        vectors.iter().all(|v| v.is_finite()) && self.sources.iter().all(|s| of(s).all(f32::is_finite))
+    }
 }
 
 /// Mean radiance of an irradiance: E/π.

@@ -198,6 +198,10 @@ impl Record for IrradianceRecord {
     fn bytes(&self) -> usize {
         size_of::<Self>()
     }
+    fn is_finite(&self) -> bool {
+        let vectors = [self.position, self.normal, self.irradiance];
+        vectors.iter().chain(&self.translation).chain(&self.rotation).all(|v| v.is_finite())
+    }
 }
 
 #[cfg(test)]

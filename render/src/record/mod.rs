@@ -34,4 +34,6 @@ pub trait Record: Send + Sync {
     fn set_radius(&mut self, radius: f32);
     /// Memory, bytes.
     fn bytes(&self) -> usize;
+    /// Whether every number it stores is finite.
+    fn is_finite(&self) -> bool;
 }

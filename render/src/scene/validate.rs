@@ -162,6 +162,11 @@ impl Scene {
         if let Some(AreaEmitter { radiance: ColorTexture::Texture(t) | ColorTexture::Scaled(t, _) }) = &shape.emitter {
             check_index(what, "texture", t.0, self.textures.len())?;
         }
+        if let Some(AreaEmitter { radiance: ColorTexture::Constant(c) | ColorTexture::Scaled(_, c) }) = &shape.emitter {
+            require(c.is_finite() && c.min_element() >= 0.0, || {
+                format!("{}: emitted radiance must be finite, not negative", what())
+            })?;
+        }
         match &shape.geometry {
             Geometry::Mesh(m) => {
                 let n = m.positions.len();

@@ -1,10 +1,10 @@
 //! Shapes of one space under acceleration structures: triangles in one tree, spheres and instances in another.
 
+use super::masks::Opacity;
 use crate::bvh::{Stack, TriangleBvh};
 use crate::ray::{Hit, Ray};
-use crate::sampler::toss;
-use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Shape, Sphere};
-use core::f32::consts::{PI, TAU};
+use crate::scene::{Geometry, Scene, Shape, Sphere};
+use core::cell::Cell;
 use glam::{Affine3A, Vec2, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
@@ -45,7 +45,7 @@ pub(super) struct Aggregate {
     object_bvh: Option<Bvh2>,
     bounds: (Vec3A, Vec3A),
     /// Opacity of the shapes that have holes; empty without such.
-    masks: Vec<Option<FloatTexture>>,
+    pub masks: Vec<Option<Opacity>>,
 }
 
 /// What queries look up besides the trees: the scene, and the shapes of the aggregate.
@@ -103,7 +103,7 @@ impl Aggregate {
         let bounds = boxes.iter().fold(bvh.bounds(), |(min, max), b| (min.min(b.0), max.max(b.1)));
         let params = BvhBuildParams::medium_build();
         let object_bvh = (!boxes.is_empty()).then(|| build_bvh2(&boxes, params, &mut Duration::default()));
-        let mut masks: Vec<_> = shapes.iter().map(|s| mask(scene, s.material)).collect();
+        let mut masks: Vec<_> = shapes.iter().map(|s| Opacity::of(scene, s.material)).collect();
         if masks.iter().all(Option::is_none) {
             masks.clear();
         }
@@ -115,33 +115,57 @@ impl Aggregate {
         self.bounds
     }
 
-    /// Nearest intersection before `hit.t`, holes of masks aside.
+    /// Whether a surface has holes.
+    pub fn is_masked(&self) -> bool {
+        !self.masks.is_empty()
+    }
+
+    /// Nearest intersection before `hit.t` with a surface that is not wholly absent there.
     #[inline(always)]
     pub fn intersect(&self, context: Context, stack: &mut Stack, ray: &Ray, hit: &mut Hit) {
         if self.masks.is_empty() {
             self.bvh.intersect(stack, ray, hit, |_, _, _| true);
         } else {
-            self.bvh.intersect(stack, ray, hit, |id, b1, b2| self.is_there(context, id, b1, b2));
+            self.bvh.intersect(stack, ray, hit, |id, b1, b2| self.triangle_opacity(context, id, b1, b2) > 0.0);
         }
         if self.object_bvh.is_some() {
             self.intersect_objects(context, stack, ray, hit);
         }
     }
 
-    /// Whether a surface lies within the ray's bounds.
+    /// Whether a surface that is not wholly absent lies within the ray's bounds. `partly` becomes true where the one found is
+    /// there in part only: another may stop the ray for certain.
     #[inline(always)]
-    pub fn occluded(&self, context: Context, stack: &mut Stack, ray: &Ray) -> bool {
+    pub fn occluded(&self, context: Context, stack: &mut Stack, ray: &Ray, partly: &Cell<bool>) -> bool {
         let by_triangle = if self.masks.is_empty() {
             self.bvh.occluded(stack, ray, |_, _, _| true)
         } else {
-            self.bvh.occluded(stack, ray, |id, b1, b2| self.is_there(context, id, b1, b2))
+            self.bvh.occluded(stack, ray, |id, b1, b2| may_stop(self.triangle_opacity(context, id, b1, b2), partly))
         };
-        by_triangle
-            || (self.object_bvh.is_some() && {
-                let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
-                self.intersect_objects(context, stack, ray, &mut hit);
-                hit.exists()
-            })
+        by_triangle || (self.object_bvh.is_some() && self.occluded_by_objects(context, stack, ray, partly))
+    }
+
+    #[inline(never)]
+    fn occluded_by_objects(&self, context: Context, stack: &mut Stack, ray: &Ray, partly: &Cell<bool>) -> bool {
+        let Some(bvh) = &self.object_bvh else { return false };
+        let start = obvhs::ray::Ray::new(ray.origin, ray.direction, ray.t_min, ray.t_max);
+        !bvh.ray_traverse_miss(start, |_, slot| {
+            let occluded = match self.objects[bvh.primitive_indices[slot] as usize] {
+                Object::Sphere { shape, sphere } => sphere
+                    .hits(ray)
+                    .into_iter()
+                    .flatten()
+                    .filter(|&t| t > ray.t_min && t < ray.t_max)
+                    .any(|t| may_stop(self.sphere_opacity(context, shape, &sphere, ray, t), partly)),
+                Object::Instance { group, to_group, .. } => {
+                    let shapes = &context.scene.groups[group as usize].shapes;
+                    let local = transform(&to_group, ray);
+                    context.groups[group as usize].occluded(Context { shapes, ..context }, stack, &local, partly)
+                }
+            };
+            // Any distance within the bounds ends the search.
+            if occluded { ray.t_min } else { f32::INFINITY }
+        })
     }
 
     #[inline(never)]
@@ -153,8 +177,8 @@ impl Aggregate {
             let index = bvh.primitive_indices[slot];
             match self.objects[index as usize] {
                 Object::Sphere { shape, sphere } => {
-                    let mut roots = intersect_sphere(&sphere, ray).into_iter().flatten();
-                    let there = |t: f32| self.sphere_is_there(context, shape, &sphere, ray, t);
+                    let mut roots = sphere.hits(ray).into_iter().flatten();
+                    let there = |t: f32| self.sphere_opacity(context, shape, &sphere, ray, t) > 0.0;
                     if let Some(t) = roots.find(|&t| t > ray.t_min && t < hit.t && there(t)) {
                         let primitive = self.triangles.len() as u32 + index;
                         *hit = Hit { t, primitive, ..Hit::NONE };
@@ -173,32 +197,13 @@ impl Aggregate {
             hit.t
         });
     }
-
-    /// Whether triangle `id` is opaque at a point: a coin of the right bias, thrown by the point itself.
-    fn is_there(&self, context: Context, id: u32, b1: f32, b2: f32) -> bool {
-        let TriangleRef { shape, index, .. } = self.triangles[id as usize];
-        let Some(opacity) = &self.masks[shape as usize] else { return true };
-        let Geometry::Mesh(mesh) = &context.shapes[shape as usize].geometry else { return true };
-        let uv = mesh.uv(index, b1, b2);
-        toss(opacity.eval(&context.scene.textures, uv), u64::from(id), [b1, b2])
-    }
-
-    fn sphere_is_there(&self, context: Context, shape: u32, sphere: &Sphere, ray: &Ray, t: f32) -> bool {
-        let Some(Some(opacity)) = self.masks.get(shape as usize) else { return true };
-        let uv = sphere.uv((ray.origin + ray.direction * t - sphere.center).normalize());
-        toss(opacity.eval(&context.scene.textures, uv), u64::from(shape), uv.to_array())
-    }
 }
 
-/// Opacity of a material, through what may be wrapped around the mask.
-fn mask(scene: &Scene, material: MaterialId) -> Option<FloatTexture> {
-    match &scene.materials[material.0 as usize] {
-        Material::Mask { opacity, .. } => Some(*opacity),
-        Material::TwoSided { front: inner, .. }
-        | Material::NormalMap { inner, .. }
-        | Material::BumpMap { inner, .. } => mask(scene, *inner),
-        _ => None,
-    }
+/// Whether a surface of this opacity may stop a ray; notes if that is not certain.
+#[inline]
+fn may_stop(opacity: f32, partly: &Cell<bool>) -> bool {
+    partly.set(opacity < 1.0);
+    opacity > 0.0
 }
 
 impl crate::scene::Mesh {
@@ -213,17 +218,8 @@ impl crate::scene::Mesh {
     }
 }
 
-impl Sphere {
-    /// Texture coordinates in the unit direction `outward` from the centre.
-    pub(crate) fn uv(&self, outward: Vec3A) -> Vec2 {
-        let local = self.rotation.transpose() * outward;
-        let phi = local.y.atan2(local.x);
-        Vec2::new(if phi < 0.0 { phi + TAU } else { phi } / TAU, local.z.clamp(-1.0, 1.0).acos() / PI)
-    }
-}
-
 /// The ray in the space `t` leads to; distances along it stay the same.
-fn transform(t: &Affine3A, ray: &Ray) -> Ray {
+pub(super) fn transform(t: &Affine3A, ray: &Ray) -> Ray {
     Ray { origin: t.transform_point3a(ray.origin), direction: t.transform_vector3a(ray.direction), ..*ray }
 }
 
@@ -231,21 +227,4 @@ fn placed_bounds(min: Vec3A, max: Vec3A, to_world: &Affine3A) -> Bounds {
     let center = to_world.transform_point3a(0.5 * (min + max));
     let half = to_world.matrix3.abs() * (0.5 * (max - min));
     Bounds(center - half, center + half)
-}
-
-/// Both distances to the sphere, nearest first, in the form that does not cancel (Haines et al. 2019, "Precision
-/// improvements for ray/sphere intersection").
-fn intersect_sphere(sphere: &Sphere, ray: &Ray) -> [Option<f32>; 2] {
-    let f = ray.origin - sphere.center;
-    let a = ray.direction.length_squared();
-    let b = -f.dot(ray.direction);
-    let off_axis = f + ray.direction * (b / a);
-    let discriminant = sphere.radius * sphere.radius - off_axis.length_squared();
-    if discriminant < 0.0 {
-        return [None, None];
-    }
-    let c = (f.length() - sphere.radius) * (f.length() + sphere.radius);
-    let q = b + (a * discriminant).sqrt().copysign(b);
-    let (t0, t1) = (c / q, q / a);
-    if t0 <= t1 { [Some(t0), Some(t1)] } else { [Some(t1), Some(t0)] }
 }

@@ -1,7 +1,7 @@
 //! The surface where a ray ends.
 
 use super::World;
-use super::aggregate::{Object, TriangleRef};
+use super::aggregate::{Object, TriangleRef, transform};
 use crate::ray::{Hit, NO_INSTANCE, Ray};
 use crate::scene::{Geometry, MaterialId, Mesh, Shape, Sphere};
 use core::f32::consts::{PI, TAU};
@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec2, Vec3A};
 
 /// Relative size of the step a ray starts away from its surface, in the largest coordinate of the triangle: a few
 /// rounding errors of the intersection, so that no ray meets the surface it leaves.
-const OFFSET: f32 = 1.0 / (1 << 20) as f32;
+pub(super) const OFFSET: f32 = 1.0 / (1 << 20) as f32;
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug)]
@@ -49,11 +49,13 @@ impl Interaction {
         Ray::new(self.origin_towards(direction), direction)
     }
 
-    /// A ray from here to the point `target`, which it does not reach.
+    /// A ray from here to the point `target`, which it does not reach: it ends `clearance` and a little before.
     #[inline]
-    pub fn spawn_to(&self, target: Vec3A) -> Ray {
+    pub fn spawn_to(&self, target: Vec3A, clearance: f32) -> Ray {
         let origin = self.origin_towards(target - self.p);
-        Ray { origin, direction: target - origin, t_min: 0.0, t_max: 1.0 - 1e-4 }
+        let direction = target - origin;
+        let t_max = 1.0 - 1e-4 - clearance / direction.length().max(f32::MIN_POSITIVE);
+        Ray { origin, direction, t_min: 0.0, t_max }
     }
 }
 
@@ -89,11 +91,7 @@ impl World {
         let group = &self.groups[instance.group as usize];
         let shapes = &self.scene.groups[instance.group as usize].shapes;
         let to_group = instance.to_world.inverse();
-        let local = Ray {
-            origin: to_group.transform_point3a(ray.origin),
-            direction: to_group.transform_vector3a(ray.direction),
-            ..*ray
-        };
+        let local = transform(&to_group, ray);
         let inner = match group.triangles.get(hit.primitive as usize) {
             Some(t) => self.on_triangle(&shapes[t.shape as usize], t, &local, hit, None),
             None => {
@@ -162,7 +160,7 @@ fn tangents(mesh: &Mesh, corners: [usize; 3], e1: Vec3A, e2: Vec3A) -> [Vec3A; 2
 }
 
 fn on_sphere(shape: &Shape, sphere: &Sphere, ray: &Ray, hit: &Hit, emitter: Option<u32>) -> Interaction {
-    let outward = (ray.origin + ray.direction * hit.t - sphere.center).normalize();
+    let outward = sphere.outward(ray, hit.t);
     let local = sphere.rotation.transpose() * outward;
     let normal = if sphere.inward { -outward } else { outward };
     let sin = local.x.hypot(local.y);

@@ -2,7 +2,9 @@
 
 mod aggregate;
 mod interaction;
+mod masks;
 mod queries;
+mod sphere;
 
 use crate::bsdf::CoatTable;
 use crate::light::{FirstEmitter, Lights};
@@ -11,7 +13,8 @@ use crate::scene::{Material, MaterialId, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
-pub use queries::Queries;
+pub(crate) use masks::Opacity;
+pub use queries::{Counts, Queries};
 
 /// A scene with everything derived from it.
 #[derive(Clone)]
@@ -22,6 +25,8 @@ pub struct World {
     pub lights: Lights,
     aggregate: Aggregate,
     groups: Vec<Aggregate>,
+    /// Whether a surface has holes.
+    masked: bool,
     /// Emitters of every shape.
     first_emitter: Vec<Option<FirstEmitter>>,
     /// Whether a material asks for ∂p/∂u.
@@ -46,6 +51,7 @@ impl World {
             .map(|(i, p)| Placement { index: i as u32, group: p.group, to_world: p.to_world })
             .collect();
         let aggregate = Aggregate::new(Context { groups: &groups, ..context(&scene.shapes) }, &placements);
+        let masked = aggregate.is_masked() || groups.iter().any(Aggregate::is_masked);
         let (lights, first_emitter) = Lights::new(&scene);
         let needs_tangents = (0..scene.materials.len()).map(|i| needs_tangents(&scene, i)).collect();
         let coat = |m: &Material| match m {
@@ -55,7 +61,7 @@ impl World {
             _ => None,
         };
         let coats = scene.materials.iter().map(coat).collect();
-        Ok(Self { scene, lights, aggregate, groups, first_emitter, needs_tangents, coats })
+        Ok(Self { scene, lights, aggregate, groups, masked, first_emitter, needs_tangents, coats })
     }
 
     /// Smallest and largest corner of all surfaces; min > max without any.

@@ -4,12 +4,41 @@ use super::World;
 use crate::bvh::Stack;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Scrambles;
+use core::cell::Cell;
+use core::ops::AddAssign;
+
+/// What was done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Rays traced.
+    pub rays: u64,
+    /// Paths followed from the eye, from surfaces in a pixel, or from records.
+    pub paths: u64,
+    /// Paths and records that were dropped because a number in them was not finite: each darkens the picture.
+    pub not_finite: u64,
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.paths += other.paths;
+        self.not_finite += other.not_finite;
+    }
+}
+
+impl core::iter::Sum for Counts {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        let mut sum = Self::default();
+        counts.for_each(|c| sum += c);
+        sum
+    }
+}
 
 /// What a thread keeps from path to path. No result depends on what an earlier path left here.
 #[derive(Clone, Debug, Default)]
 pub struct Queries {
-    /// Rays traced so far.
-    pub rays: u64,
+    /// What was done so far.
+    pub counts: Counts,
     /// What the samples of a pixel or record have in common.
     pub scrambles: Scrambles,
     stack: Stack,
@@ -19,16 +48,26 @@ impl Queries {
     /// [`World::intersect`].
     #[inline(always)]
     pub fn intersect(&mut self, world: &World, ray: &Ray) -> Hit {
-        self.rays += 1;
+        self.counts.rays += 1;
         let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
         world.aggregate.intersect(world.context(), &mut self.stack, ray, &mut hit);
-        hit
+        if world.masked { world.through_masks(&mut self.stack, ray, hit) } else { hit }
     }
 
     /// [`World::occluded`].
     #[inline(always)]
     pub fn occluded(&mut self, world: &World, ray: &Ray) -> bool {
-        self.rays += 1;
-        world.aggregate.occluded(world.context(), &mut self.stack, ray)
+        self.counts.rays += 1;
+        let partly = Cell::new(false);
+        let met = world.aggregate.occluded(world.context(), &mut self.stack, ray, &partly);
+        met && (!partly.get() || self.is_stopped(world, ray))
+    }
+
+    /// Whether a ray that meets surfaces with holes is stopped by any of them.
+    #[inline(never)]
+    fn is_stopped(&mut self, world: &World, ray: &Ray) -> bool {
+        let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
+        world.aggregate.intersect(world.context(), &mut self.stack, ray, &mut hit);
+        world.through_masks(&mut self.stack, ray, hit).exists()
     }
 }

@@ -114,9 +114,9 @@ fn normals_are_made_dropped_flipped_and_obeyed() {
     let turned = mesh("obj", format!("{SQUARE}f 3//1 2//1 1//1\n"), "");
     let [a, b, c] = turned.triangles[0].map(|i| turned.positions[i as usize]);
     assert!((b - a).cross(c - a).z > 0.0);
-    // A mirrored mesh keeps its outside.
+    // A mirror turns a mesh whose winding alone says which side is the front.
     let mirrored = mesh("obj", roof, "<transform name='to_world'><scale x='-1'/></transform>");
-    assert!((mirrored.normals[0] - Vec3::Z).length() < 1e-6);
+    assert!((mirrored.normals[0] + Vec3::Z).length() < 1e-6);
     // A normal of length zero takes its face's.
     let zero = mesh("obj", SQUARE.replace("vn 0 0 1", "vn 0 0 0") + "f 1//1 2//1 3//1\n", "");
     assert_eq!(zero.normals, [Vec3::Z; 3]);

@@ -40,6 +40,7 @@ impl Folder {
     }
 
     /// Bad input: exit code 2, and one line that names what is wrong.
+    #[allow(dead_code, reason = "not every binary of tests that shares this file needs it")]
     pub fn bad(&self, args: &str, mention: &str) {
         let (code, _, err) = self.run(args);
         assert_eq!(code, 2, "{args}: {err}");

@@ -15,11 +15,11 @@ use crate::record::irradiance::{IrradianceRecord, Strata};
 use crate::record::{Cell, Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
-use crate::world::{Queries, World};
+use crate::world::{Counts, Queries, World};
 use fearless_simd::Level;
 use glam::Vec3A;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Weight that counts as covered: less, and the zones would not overlap.
@@ -35,7 +35,7 @@ pub struct Builder<'a> {
     /// What the middle of every pixel shows.
     pub(super) points: Vec<Option<Point>>,
     pub(super) grid: Grid,
-    pub(super) rays: AtomicU64,
+    pub(super) counts: Mutex<Counts>,
 }
 
 impl<'a> Builder<'a> {
@@ -56,7 +56,7 @@ impl<'a> Builder<'a> {
             .map(|i| pixel_point(world, &generator, pixel(i), seed, max))
             .collect();
         let grid = Grid { width: window.width, height: window.height };
-        Self { world, policy, environment, quality, seed, points, grid, rays: AtomicU64::new(0) }
+        Self { world, policy, environment, quality, seed, points, grid, counts: Mutex::default() }
     }
 
     /// Fills all caches, beginning with those of an earlier run, until the deadline; `progress` is told the share of the work done.
@@ -75,7 +75,7 @@ impl<'a> Builder<'a> {
             self.fill_eas(&mut caches.eas, &short, deadline, &|x| progress(0.4 + 0.6 * x));
             self.fill_harmonics(&mut caches.harmonics, &short, deadline, &|x| progress(0.4 + 0.6 * x));
         }
-        caches.rays = self.rays.load(Ordering::Relaxed);
+        caches.counts = self.counts();
         caches
     }
 
@@ -116,6 +116,19 @@ impl<'a> Builder<'a> {
         Filler { grid: self.grid, deadline, progress }
     }
 
+    /// What was traced so far.
+    fn counts(&self) -> Counts {
+        *self.counts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds what a record took, and drops it where a number in it is not finite.
+    pub(super) fn counted<R: Record>(&self, record: R, mut counts: Counts) -> Option<R> {
+        let finite = record.is_finite();
+        counts.not_finite += u64::from(!finite);
+        *self.counts.lock().unwrap_or_else(PoisonError::into_inner) += counts;
+        finite.then_some(record)
+    }
+
     #[allow(clippy::too_many_arguments)]
     fn fill_irradiance(
         &self,
@@ -139,11 +152,10 @@ impl<'a> Builder<'a> {
             let frame = Frame::from_normal(point.hemisphere_normal());
             let mut gather = Gather::new(tracer, point, self.seed, salt, i as u32);
             let found = gather.irradiance(&frame, Strata::about(rays));
-            self.rays.fetch_add(gather.rays, Ordering::Relaxed);
             let mut record = found.record;
             record.set_radius(self.irradiance_radius(&found, radius, point.footprint));
             record.limit_gradient(found.harmonic_mean.max(record.radius()));
-            Some((record, radius.min_pixels * point.footprint))
+            self.counted(record, gather.counts).map(|record| (record, radius.min_pixels * point.footprint))
         };
         let adapt = |cache: &Cache<IrradianceRecord>, i: usize| {
             let unwanted = self.points[i].as_ref().is_none_or(|p| !wanted(p));
@@ -175,21 +187,20 @@ impl<'a> Builder<'a> {
         };
         let make = |_: &Cache<EasRecord>, i: usize| {
             let point = self.points[i].as_ref()?;
-            let (record, _, rays) = self.eas_record(tracer, point, i)?;
-            self.rays.fetch_add(rays, Ordering::Relaxed);
-            Some((record, quality.eas.min_pixels * point.footprint))
+            let (record, _, counts) = self.eas_record(tracer, point, i)?;
+            self.counted(record, counts).map(|record| (record, quality.eas.min_pixels * point.footprint))
         };
         let adapt = |cache: &Cache<EasRecord>, i: usize| self.eas_disagreeing(cache, i);
         self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
     }
 
-    /// The record of what pixel `i` shows, its tree's samples, and the rays they took.
+    /// The record of what pixel `i` shows, its tree's samples, and what they took.
     pub(super) fn eas_record(
         &self,
         tracer: &IncidentTracer,
         point: &Point,
         i: usize,
-    ) -> Option<(EasRecord, Vec<GatherSample>, u64)> {
+    ) -> Option<(EasRecord, Vec<GatherSample>, Counts)> {
         let Treatment::Eas { lobe, .. } = self.treatment(point) else { return None };
         let lobe = &self.policy.lobes[lobe];
         let quality = &self.quality;
@@ -221,7 +232,7 @@ impl<'a> Builder<'a> {
         let policy = RadiusPolicy { max_pixels: reach, ..quality.eas };
         record.set_radius(self.eas_radius(&record, point, 1.0 / nearest, policy));
         samples.shrink_to_fit();
-        Some((record, samples, gather.rays))
+        Some((record, samples, gather.counts))
     }
 
     /// The hemisphere divided for the views that will read a record, with the rays of each cell.
@@ -325,13 +336,13 @@ pub(super) struct Gather<'a> {
     point: &'a Point,
     seed: u64,
     key: (u32, u32),
-    pub(super) rays: u64,
+    pub(super) counts: Counts,
 }
 
 impl<'a> Gather<'a> {
     pub(super) fn new(tracer: &'a IncidentTracer<'a>, point: &'a Point, seed: u64, salt: u64, pixel: u32) -> Self {
         let seed = seed.wrapping_add(salt.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        Self { tracer, point, seed, key: (pixel, salt as u32), rays: 0 }
+        Self { tracer, point, seed, key: (pixel, salt as u32), counts: Counts::default() }
     }
 
     /// The two closures of a gather: the place of a sample in its stratum, and the light it meets.
@@ -357,7 +368,7 @@ impl<'a> Gather<'a> {
                 || tracer.incident(at.spawn(direction), &mut sampler, &mut queries),
             )
         });
-        self.rays += queries.rays;
+        self.counts += queries.counts;
         out
     }
 

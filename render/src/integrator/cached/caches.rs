@@ -4,6 +4,7 @@ use crate::cache::Cache;
 use crate::record::eas::EasRecord;
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::IrradianceRecord;
+use crate::world::Counts;
 use glam::Vec3A;
 
 /// The caches of a picture.
@@ -17,8 +18,8 @@ pub struct Caches {
     pub eas: Cache<EasRecord>,
     /// Incident radiance on glossy surfaces.
     pub harmonics: Cache<HarmonicsRecord>,
-    /// Rays traced.
-    pub rays: u64,
+    /// What was traced for them, and what was dropped.
+    pub counts: Counts,
 }
 
 impl Caches {
@@ -29,7 +30,7 @@ impl Caches {
             irradiance: Cache::new(min, max),
             eas: Cache::new(min, max),
             harmonics: Cache::new(min, max),
-            rays: 0,
+            counts: Counts::default(),
         }
     }
 

@@ -2,17 +2,10 @@
 //! use it.
 
 use crate::bsdf::{Bsdf, Split};
-use crate::light::{Lights, Receiver, Target};
+use crate::light::{Lights, Receiver, Target, power_heuristic};
 use crate::scene::Rgb;
 use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
-
-/// Weight of a sample of density `a` when density `b` could have found it too (Veach 1997).
-#[inline]
-pub fn power_heuristic(a: f32, b: f32) -> f32 {
-    let (a2, b2) = (a * a, b * b);
-    if a2.is_infinite() { 1.0 } else { a2 / (a2 + b2) }
-}
 
 /// The surface a path left, for the weight of an emitter that it meets.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +51,7 @@ pub fn sample_light(
         return Split::ZERO;
     }
     let shadow = match light.target {
-        Target::Point(p) => at.spawn_to(p),
+        Target::Point { p, clearance } => at.spawn_to(p, clearance),
         Target::Direction(d) => at.spawn(d),
     };
     if queries.occluded(world, &shadow) { Split::ZERO } else { reflected }

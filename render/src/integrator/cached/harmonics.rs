@@ -12,8 +12,8 @@ use crate::record::eas::mean_radiance;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
 use crate::record::{Receiver, Reflected, Scratch, View, fresnel_tint};
 use crate::scene::Rgb;
+use crate::world::Counts;
 use glam::Vec3A;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 impl Builder<'_> {
@@ -44,16 +44,16 @@ impl Builder<'_> {
         };
         let make = |_: &Cache<HarmonicsRecord>, i: usize| {
             let point = self.points[i].as_ref()?;
-            let (record, rays) = self.harmonics_record(tracer, point, i)?;
-            self.rays.fetch_add(rays, Ordering::Relaxed);
-            Some((record, self.quality.eas.min_pixels * point.footprint))
+            let (record, counts) = self.harmonics_record(tracer, point, i)?;
+            // Radiance near the end of the range of its numbers may have none left for its gradients.
+            self.counted(record, counts).map(|record| (record, self.quality.eas.min_pixels * point.footprint))
         };
         let adapt = |cache: &Cache<HarmonicsRecord>, i: usize| self.harmonics_disagreeing(cache, i);
         self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
     }
 
-    /// The record of what pixel `i` shows, and the rays it took.
-    fn harmonics_record(&self, tracer: &IncidentTracer, point: &Point, i: usize) -> Option<(HarmonicsRecord, u64)> {
+    /// The record of what pixel `i` shows, and what it took.
+    fn harmonics_record(&self, tracer: &IncidentTracer, point: &Point, i: usize) -> Option<(HarmonicsRecord, Counts)> {
         let Treatment::Harmonics { brdf } = self.treatment(point) else { return None };
         let brdf = &self.policy.harmonics[brdf];
         let width = brdf.specular.lobe_width() as f32;
@@ -67,8 +67,7 @@ impl Builder<'_> {
         let order = order_for(brdf, &frame, &views);
         let settings = self.policy.projection.as_ref()?;
         let record = HarmonicsRecord::new(point.at.p, &frame, radius, point.material.0, &samples, order, settings);
-        // Radiance near the end of the range of its numbers may have none left for its gradients.
-        record.numbers().iter().all(|x| x.is_finite()).then_some((record, gather.rays))
+        Some((record, gather.counts))
     }
 }
 

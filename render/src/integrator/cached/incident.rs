@@ -32,6 +32,7 @@ impl IncidentTracer<'_> {
     #[inline(always)]
     pub fn incident(&self, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Incident {
         let world = self.world;
+        queries.counts.paths += 1;
         let mut found = Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
         let (mut ray, mut throughput, mut eta) = (ray, Rgb::ONE, 1.0);
         let mut left: Option<Left> = None;
@@ -97,6 +98,10 @@ impl IncidentTracer<'_> {
                 break;
             }
             ray = at.spawn(sample.wi);
+        }
+        if !found.radiance.is_finite() {
+            queries.counts.not_finite += 1;
+            found.radiance = Rgb::ZERO;
         }
         found
     }

@@ -17,12 +17,13 @@ mod spacing;
 use crate::cache::Spacing;
 use crate::camera::RayGenerator;
 use crate::film::{Budget, Picture, Pixel, widest};
+use crate::integrator::summable;
 use crate::record::eas::Estimator;
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::{CutSettings, Scratch};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
-use crate::world::{Queries, World};
+use crate::world::{Counts, Queries, World};
 pub use build::Builder;
 pub use caches::Caches;
 use fearless_simd::Level;
@@ -227,9 +228,9 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
     let count = window.width as usize * window.height as usize;
     let mut pixels = vec![Pixel::default(); count];
     let mut surfaces: Vec<Vec<Surface>> = vec![Vec::new(); count];
-    let (mut spp, mut rays) = (0, shader.caches.rays);
+    let (mut spp, mut counts) = (0, shader.caches.counts);
     let width = window.width as usize;
-    // Indirect light of a row: rays, and pixels where it is negative.
+    // Indirect light of a row: what was traced, and pixels where it is negative.
     let indirect_row = |y: usize, row: &mut [Pixel], surfaces: &[Vec<Surface>], scratch: &mut Scratch| {
         let (mut queries, mut negative) = (Queries::default(), 0);
         each_pixel(
@@ -240,17 +241,19 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             |at, pixel, surfaces| {
                 let samplers = |path: u32| Sampler::new(settings.seed.wrapping_add(1), at, path);
                 let indirect = shader.indirect(surfaces, &samplers, scratch, &mut queries);
-                if indirect.sum().is_finite() {
+                if summable(indirect.sum()) {
                     pixel.sum.indirect = pixel.sum.indirect + indirect;
                     // Records may ring; a pixel never shines less than not at all.
                     if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
                         negative += 1;
                         pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
                     }
+                } else {
+                    queries.counts.not_finite += surfaces.iter().map(Surface::samples).sum::<u64>();
                 }
             },
         );
-        (queries.rays, negative)
+        (queries.counts, negative)
     };
     let mut pace = match settings.budget {
         Budget::Time(limit) => Some(Pace::new(start + limit)),
@@ -267,7 +270,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             break;
         }
         let passing = Instant::now();
-        let traced: u64 = pixels
+        let traced: Counts = pixels
             .par_chunks_mut(width)
             .zip(surfaces.par_chunks_mut(width))
             .enumerate()
@@ -282,7 +285,9 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                         for index in spp..spp + pass {
                             let mut sampler = Sampler::new(settings.seed, at, index);
                             let ray = camera.ray(at.0, at.1, sampler.next_2d());
-                            let mut sample = shader.direct(ray, &mut sampler, surfaces, &mut queries).finite();
+                            queries.counts.paths += 1;
+                            let mut sample = shader.direct(ray, &mut sampler, surfaces, &mut queries);
+                            sample = sample.finite(&mut queries);
                             if sample.distance > 0.0 {
                                 sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
                                 pixel.surfaces += 1;
@@ -291,10 +296,10 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                         }
                     },
                 );
-                queries.rays
+                queries.counts
             })
             .sum();
-        rays += traced;
+        counts += traced;
         spp += pass;
         if let Some(pace) = &mut pace {
             let (direct, trial) = (passing.elapsed(), Instant::now());
@@ -321,7 +326,8 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             progress(0.7 + 0.3 * done as f64 / f64::from(window.height));
             found
         })
-        .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    let picture = Picture { width: window.width, height: window.height, pixels, spp, passes: 0, rays: rays + traced };
+        .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1));
+    counts += traced;
+    let picture = Picture { width: window.width, height: window.height, pixels, spp, passes: 0, counts };
     (picture, negative)
 }

@@ -102,8 +102,8 @@ impl Builder<'_> {
         let mut gather = Gather::new(&tracer, point, self.seed, 3, i as u32);
         let uniform = gather.uniform(&frame, count);
         let made = self.eas_record(&tracer, point, i);
-        let (guided, guided_samples, rays) = made.ok_or_else(|| no_table("its model has no separate lobe"))?;
-        let rays = rays + gather.rays;
+        let (guided, guided_samples, counts) = made.ok_or_else(|| no_table("its model has no separate lobe"))?;
+        let rays = counts.rays + gather.counts.rays;
         Ok(Probe {
             point: *point,
             frame,

@@ -71,6 +71,13 @@ pub struct Surface {
     specular: Rgb,
 }
 
+impl Surface {
+    /// Samples of the pixel that show it.
+    pub fn samples(&self) -> u64 {
+        self.samples as u64
+    }
+}
+
 /// Most surfaces of a pixel that are told apart; further ones are shaded where they are met.
 const MAX_SURFACES: usize = 8;
 

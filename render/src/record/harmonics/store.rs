@@ -131,4 +131,7 @@ impl Record for HarmonicsRecord {
     fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&*self.numbers)
     }
+    fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.numbers.iter().all(|x| x.is_finite())
+    }
 }

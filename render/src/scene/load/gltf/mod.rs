@@ -14,7 +14,7 @@ mod uri;
 
 use super::error::{FileError, LoadError, brief};
 use super::left_out;
-use super::mesh::{Finish, finish};
+use super::mesh::{Finish, Mirrored, finish};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
 use data::Data;
 use document::SUPPORTED;
@@ -232,7 +232,12 @@ impl<'a> Builder<'a> {
             let made = self.material(&primitive.material())?;
             let Some(geometry) = self.geometry(&primitive, weights, made.uv_set, &what)? else { continue };
             let flat = geometry.normals.is_empty();
-            let how = Finish { to_world: to_world.as_affine3a(), face_normals: flat, flip_normals: false };
+            let how = Finish {
+                to_world: to_world.as_affine3a(),
+                face_normals: flat,
+                mirrored: Mirrored::Image,
+                ..Finish::default()
+            };
             let (geometry, dropped) = finish(geometry, how, self.data.path)
                 .map_err(|e| self.data.error(format_args!("{what}: {}", e.what)))?;
             if dropped > 0 {

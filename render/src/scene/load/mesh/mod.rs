@@ -51,6 +51,18 @@ pub struct Finish {
     pub face_normals: bool,
     /// Exchange front and back.
     pub flip_normals: bool,
+    /// Which side of a mesh without normals is the front where `to_world` mirrors.
+    pub mirrored: Mirrored,
+}
+
+/// Which side of a mesh without normals is the front under a transform that mirrors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mirrored {
+    /// The side from which its corners run counterclockwise where they end up: Mitsuba's rule.
+    #[default]
+    ByWinding,
+    /// The image of the front: glTF's rule (2.0, §3.7.4), whose winding follows the determinant.
+    Image,
 }
 
 /// Checks a mesh as parsed, transforms it, drops triangles without area and makes smooth normals where the file has
@@ -68,7 +80,12 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     if finish.face_normals {
         mesh.normals.clear();
     }
+    let turned = finish.to_world.matrix3.determinant() < 0.0 && finish.mirrored == Mirrored::ByWinding;
+    let unmarked = mesh.normals.is_empty();
     mesh = mesh.transformed(finish.to_world);
+    if turned && unmarked {
+        mesh = mesh.flipped();
+    }
     if finish.flip_normals {
         mesh = mesh.flipped();
     }

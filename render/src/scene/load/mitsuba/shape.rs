@@ -218,7 +218,7 @@ fn source(
             }
         },
     };
-    let finish = Finish { to_world: placed, face_normals, flip_normals: flip };
+    let finish = Finish { to_world: placed, face_normals, flip_normals: flip, ..Finish::default() };
     Ok(Some(Source::File(MeshFile { place: object.place.clone(), path, bytes, format, finish })))
 }
 

@@ -1,0 +1,139 @@
+//! Surfaces with holes: how much of a surface is there, and what a ray meets behind it.
+//!
+//! The nearest surface that is there at all decides by a coin whether it stops the ray; where it does not, the ray goes on
+//! from beyond it, as if spawned there. So surfaces in the same place count once, in whatever order they are met, and
+//! layers that are apart count each. Where a surface is wholly absent or wholly there, no coin and no second search is
+//! needed.
+
+use super::World;
+use super::aggregate::{Aggregate, Context, Object, transform};
+use super::interaction::OFFSET;
+use crate::bvh::Stack;
+use crate::ray::{Hit, NO_INSTANCE, Ray};
+use crate::sampler::toss;
+use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Sphere, Texture};
+use glam::{Vec2, Vec3A};
+use std::sync::Arc;
+
+/// Opacity of a material: the product of the masks that are wrapped in each other.
+#[derive(Clone, Debug)]
+pub(crate) struct Opacity(Arc<[FloatTexture]>);
+
+impl Opacity {
+    /// `None` for a material without holes.
+    pub fn of(scene: &Scene, material: MaterialId) -> Option<Self> {
+        let mut factors = Vec::new();
+        let mut id = material;
+        loop {
+            id = match &scene.materials[id.0 as usize] {
+                Material::Mask { opacity, inner } => {
+                    factors.push(*opacity);
+                    *inner
+                }
+                Material::TwoSided { front: inner, .. }
+                | Material::NormalMap { inner, .. }
+                | Material::BumpMap { inner, .. } => *inner,
+                _ => break,
+            };
+        }
+        (!factors.is_empty()).then(|| Self(factors.into()))
+    }
+
+    /// Share of light that meets the surface at a point, 0 … 1.
+    #[inline]
+    pub fn at(&self, textures: &[Texture], uv: Vec2) -> f32 {
+        self.0.iter().map(|f| f.eval(textures, uv).clamp(0.0, 1.0)).product()
+    }
+
+    /// Mean over texture space, taking the masks for independent.
+    pub fn mean(&self, textures: &[Texture]) -> f32 {
+        self.0.iter().map(|f| f.mean(textures).clamp(0.0, 1.0)).product()
+    }
+
+    /// Whether it varies over the surface.
+    pub fn varies(&self) -> bool {
+        self.0.iter().any(|f| !matches!(f, FloatTexture::Constant(_)))
+    }
+}
+
+/// The part of a surface that a ray met.
+struct Layer {
+    opacity: f32,
+    /// Where on its primitive: what the coin is thrown by.
+    place: Vec2,
+    /// Distance along the ray from which it goes on behind the surface.
+    beyond: f32,
+}
+
+impl Aggregate {
+    /// Opacity of triangle `id` at a point.
+    #[inline]
+    pub(super) fn triangle_opacity(&self, context: Context, id: u32, b1: f32, b2: f32) -> f32 {
+        let triangle = &self.triangles[id as usize];
+        let Some(opacity) = &self.masks[triangle.shape as usize] else { return 1.0 };
+        let Geometry::Mesh(mesh) = &context.shapes[triangle.shape as usize].geometry else { return 1.0 };
+        opacity.at(&context.scene.textures, mesh.uv(triangle.index, b1, b2))
+    }
+
+    /// Opacity of a sphere where a ray meets it at distance `t`.
+    pub(super) fn sphere_opacity(&self, context: Context, shape: u32, sphere: &Sphere, ray: &Ray, t: f32) -> f32 {
+        let Some(Some(opacity)) = self.masks.get(shape as usize) else { return 1.0 };
+        opacity.at(&context.scene.textures, sphere.uv(sphere.outward(ray, t)))
+    }
+
+    /// What lies at a hit on this aggregate; `None` where nothing passes. `away` adds to the coordinates that were rounded.
+    fn layer(&self, context: Context, ray: &Ray, hit: &Hit, away: f32) -> Option<Layer> {
+        let (shape, uv, place, normal, extent) = match self.triangles.get(hit.primitive as usize) {
+            Some(t) => {
+                let Geometry::Mesh(mesh) = &context.shapes[t.shape as usize].geometry else { return None };
+                let place = Vec2::new(hit.b1, hit.b2);
+                (t.shape, mesh.uv(t.index, hit.b1, hit.b2), place, Vec3A::from(t.normal), t.extent)
+            }
+            None => {
+                let object = self.objects.get(hit.primitive as usize - self.triangles.len());
+                let Some(&Object::Sphere { shape, sphere }) = object else { return None };
+                let outward = sphere.outward(ray, hit.t);
+                let uv = sphere.uv(outward);
+                (shape, uv, uv, outward, sphere.center.abs().max_element() + sphere.radius)
+            }
+        };
+        let opacity = self.masks.get(shape as usize)?.as_ref()?.at(&context.scene.textures, uv);
+        // As far from the surface as the start of a ray that leaves it; the distance of the hit has its own rounding.
+        let clearance = OFFSET * (extent + away + hit.t * ray.direction.length());
+        let step = clearance / normal.dot(ray.direction).abs().max(GRAZING * ray.direction.length());
+        (opacity < 1.0).then(|| Layer { opacity, place, beyond: (hit.t + step).max(hit.t.next_up()) })
+    }
+}
+
+/// Cosine below which a ray counts as passing a surface no more slowly.
+const GRAZING: f32 = 1.0 / 1024.0;
+
+impl World {
+    /// The surface that stops a ray, given the nearest that is there at all. Traces on where coins fall so.
+    #[inline(never)]
+    pub(super) fn through_masks(&self, stack: &mut Stack, ray: &Ray, mut hit: Hit) -> Hit {
+        let mut rest = *ray;
+        while hit.exists()
+            && let Some(layer) = self.layer(&rest, &hit)
+            && !toss(layer.opacity, u64::from(hit.instance) << 32 | u64::from(hit.primitive), layer.place.to_array())
+        {
+            rest.t_min = layer.beyond;
+            hit = Hit { t: ray.t_max, ..Hit::NONE };
+            self.aggregate.intersect(self.context(), stack, &rest, &mut hit);
+        }
+        hit
+    }
+
+    fn layer(&self, ray: &Ray, hit: &Hit) -> Option<Layer> {
+        if hit.instance == NO_INSTANCE {
+            return self.aggregate.layer(self.context(), ray, hit, 0.0);
+        }
+        let instance = &self.scene.instances[hit.instance as usize];
+        let to_group = instance.to_world.inverse();
+        let shapes = &self.scene.groups[instance.group as usize].shapes;
+        // The transform rounds too, in the coordinates of the world.
+        let away = to_group.translation.abs().max_element();
+        let context = Context { shapes, ..self.context() };
+        self.groups[instance.group as usize].layer(context, &transform(&to_group, ray), hit, away)
+    }
+}
