@@ -102,6 +102,7 @@ impl Source {
     }
 }
 
+#[inline]
 fn index(field: &[u8], count: usize, what: &str) -> Result<u32, String> {
     let written = integer(field).ok_or_else(|| format!("{} is not an index", quote(field)))?;
     let zero_based = if written < 0 { written + count as i64 } else { written - 1 };

@@ -66,7 +66,14 @@ impl Splitter {
 fn backwards(corners: &[u32], positions: &[Vec3]) -> Option<DVec3> {
     let at = |i: u32| positions.get(i as usize).map_or(DVec3::NAN, |p| p.as_dvec3());
     let origin = at(corners[0]);
-    let fan = || corners[1..].windows(2).map(|w| (at(w[0]) - origin).cross(at(w[1]) - origin));
+    let twice = |b: u32, c: u32| (at(b) - origin).cross(at(c) - origin);
+    // Most polygons are convex quads: two triangles that face alike.
+    if let &[_, b, c, d] = corners
+        && twice(b, c).dot(twice(c, d)) >= 0.0
+    {
+        return None;
+    }
+    let fan = || corners[1..].windows(2).map(|w| twice(w[0], w[1]));
     let normal: DVec3 = fan().sum();
     let area = normal.length_squared();
     let folds = area > 0.0 && area.is_finite() && fan().any(|n| n.dot(normal) < -ROUNDING * area);

@@ -32,22 +32,27 @@ pub fn quote(word: &[u8]) -> String {
 }
 
 /// A decimal number; also NaN and infinity as C libraries print them (`-nan(ind)`, `1.#INF`).
+#[inline]
 pub fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     let text = str::from_utf8(word).ok()?;
-    text.parse().ok().or_else(|| {
-        let text = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-        let sign = if word.first() == Some(&b'-') { "-" } else { "" };
-        if text.starts_with("1.#inf") {
-            format!("{sign}inf").parse().ok()
-        } else if text.starts_with("nan") || text.starts_with("1.#") {
-            "nan".parse().ok()
-        } else {
-            None
-        }
-    })
+    text.parse().ok().or_else(|| not_finite(text))
+}
+
+#[cold]
+fn not_finite<T: std::str::FromStr>(text: &str) -> Option<T> {
+    let (sign, size) = if let Some(size) = text.strip_prefix('-') { ("-", size) } else { ("", text) };
+    let size = size.trim_start_matches('+').to_ascii_lowercase();
+    if size.starts_with("1.#inf") {
+        format!("{sign}inf").parse().ok()
+    } else if size.starts_with("nan") || size.starts_with("1.#") {
+        "nan".parse().ok()
+    } else {
+        None
+    }
 }
 
 /// A whole number, or what `number` makes of it.
+#[inline]
 pub fn integer(word: &[u8]) -> Option<i64> {
     // Indices are most of a mesh file's text: the common ones take no detour.
     const SHORT: usize = 18;
