@@ -6,7 +6,8 @@ use glam::{Affine3A, Vec2};
 /// frame), so a loader of a format that looks along −z with x to the right turns it by half a turn about y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Camera frame to world; without scale.
+    /// Camera frame to world; its axes are of unit length, and orthogonal but for glTF's cameras that hang on what is
+    /// stretched.
     pub to_world: Affine3A,
     /// What rays the film sends out.
     pub projection: Projection,
