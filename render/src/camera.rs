@@ -11,6 +11,8 @@ const TABLE: usize = 256;
 #[derive(Clone, Debug)]
 pub struct RayGenerator {
     to_world: Affine3A,
+    /// What gives depth: z of the camera's frame.
+    axis: Vec3A,
     /// Whether rays are parallel.
     parallel: bool,
     /// Half extents of what the film shows, at unit depth.
@@ -83,6 +85,7 @@ impl RayGenerator {
         };
         Self {
             to_world: camera.to_world,
+            axis: camera.to_world.matrix3.inverse().transpose().z_axis,
             parallel,
             half: Vec2::new(half_width, half_width * size.y / size.x),
             center: 0.5 - camera.principal_point,
@@ -107,11 +110,11 @@ impl RayGenerator {
                 t_max: self.clip.1,
             };
         }
-        let local = place.extend(1.0);
-        let length = local.length();
+        let through = self.to_world.matrix3 * Vec3A::from(place.extend(1.0));
+        let length = through.length();
         Ray {
             origin: self.to_world.translation,
-            direction: (self.to_world.matrix3 * Vec3A::from(local)).normalize(),
+            direction: through / length,
             t_min: self.clip.0 * length,
             t_max: self.clip.1 * length,
         }
@@ -142,7 +145,7 @@ impl RayGenerator {
     /// Depth along the axis of a point on a ray made by [`RayGenerator::ray`].
     #[inline]
     pub fn depth(&self, p: Vec3A) -> f32 {
-        (p - self.to_world.translation).dot(self.to_world.matrix3.z_axis.normalize())
+        (p - self.to_world.translation).dot(self.axis)
     }
 }
 

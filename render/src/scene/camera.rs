@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// frame), so a loader of a format that looks along −z with x to the right turns it by half a turn about y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
-    /// Camera frame to world; without scale.
+    /// Camera frame to world; its axes are of unit length, and orthogonal but for glTF's cameras that hang on what is
+    /// stretched.
     pub to_world: Affine3A,
     /// What rays the film sends out.
     pub projection: Projection,

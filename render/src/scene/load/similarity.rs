@@ -1,6 +1,6 @@
 //! Transforms without distortion, which cameras, spheres and environments need.
 
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Rotation (or reflection) and scale of a matrix whose columns are orthogonal and of equal length to 10⁻³.
 pub fn similarity(matrix: DMat3) -> Option<(DMat3, f64)> {
@@ -14,19 +14,19 @@ pub fn similarity(matrix: DMat3) -> Option<(DMat3, f64)> {
     error.to_cols_array().iter().all(|e| e.abs() < 1e-3).then_some((DMat3::from_cols(x, y, z), scale))
 }
 
-/// The rotation of a matrix that scales, shears or mirrors: its z axis keeps its direction, y is made orthogonal to it,
-/// x follows. `None` where y and z span no plane.
+/// A matrix without the lengths of its axes, and without a mirror. What scaling bent stays so: a frame that hangs on a
+/// stretched one has axes that are not orthogonal. `None` where they span no volume.
 pub fn without_scale(matrix: DMat3) -> Option<DMat3> {
-    let z = matrix.z_axis.try_normalize()?;
-    let y = matrix.y_axis.try_normalize()?;
-    let y = (y - z * z.dot(y)).try_normalize()?;
-    Some(DMat3::from_cols(y.cross(z), y, z))
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::try_normalize);
+    let unit = DMat3::from_cols(x?, y?, z?);
+    let volume = unit.determinant();
+    let whole = DMat3::from_cols(unit.x_axis * volume.signum(), unit.y_axis, unit.z_axis);
+    (volume.abs() > 1e-6).then_some(whole)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     #[test]
     fn scale_shear_and_mirrors_are_taken_off() {
@@ -35,8 +35,8 @@ mod tests {
             let rotation = without_scale(turn * DMat3::from_diagonal(scale)).unwrap();
             assert!((rotation - turn).to_cols_array().iter().all(|e| e.abs() < 1e-12), "{scale}");
         }
-        let sheared = without_scale(DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.0, 0.7), DVec3::Z)).unwrap();
-        assert!((sheared.determinant() - 1.0).abs() < 1e-12 && sheared.z_axis == DVec3::Z);
+        let stretched = without_scale(DMat3::from_diagonal(DVec3::new(1.0, 1.0, 2.0)) * turn).unwrap();
+        assert!(stretched.z_axis.z > turn.z_axis.z && stretched.x_axis.is_normalized());
         assert_eq!(without_scale(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Z)), None);
         assert_eq!(without_scale(DMat3::ZERO), None);
     }
