@@ -69,7 +69,7 @@ impl<'a> Blocks<'a> {
         let [columns, rows] = [header.layer_size.x().div_ceil(size.x()), header.layer_size.y().div_ceil(size.y())];
         let count = columns.saturating_mul(rows);
         let start = before.checked_mul(8).and_then(|n| n.checked_add(tables));
-        let length = count.checked_mul(8).unwrap_or(usize::MAX);
+        let length = count.saturating_mul(8);
         let table = start.and_then(|s| bytes.get(s..)).and_then(|b| b.get(..length));
         let table = table.ok_or("its table of blocks is cut off")?.as_chunks::<8>().0;
         let multipart = meta.requirements.is_multilayer().then_some(part);
@@ -179,7 +179,7 @@ fn check(header: &Header) -> Result<(), String> {
         if (x, y) == (1, 1) {
             continue;
         }
-        let even = |a: Vec2<usize>| x > 0 && y > 0 && a.x() % x == 0 && a.y() % y == 0;
+        let even = |a: Vec2<usize>| x > 0 && y > 0 && a.x().is_multiple_of(x) && a.y().is_multiple_of(y);
         let position = header.own_attributes.layer_position;
         let position = Vec2(position.x().unsigned_abs() as usize, position.y().unsigned_abs() as usize);
         if !even(header.layer_size) || !even(position) || header.blocks != BlockDescription::ScanLines {
