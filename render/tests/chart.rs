@@ -128,9 +128,8 @@ fn a_sweep_is_written_and_goes_on_where_it_stopped() {
     assert_eq!(said.len(), 6, "{said:?}");
     assert_eq!(column(&f.text("out/chart.csv"), "scene").len(), 7 + 6);
     // Without time budgets the same seed gives the same errors.
-    let taus = "scene.xml --methods eas,irradiance --times 0.05 --taus 0.2 --sources 10 --spp 4 \
-                --reference-time 0.5";
-    f.ok(&format!("{taus} --threads 1 -o one"));
+    let taus = "scene.xml --methods eas,irradiance --times 0.05 --taus 0.2 --sources 10 --spp 4";
+    f.ok(&format!("{taus} --threads 1 --reference-time 0.5 -o one"));
     f.ok(&format!("{taus} --threads 2 --reference {} -o two", reference(&f, "one")));
     let errors = |folder: &str| {
         let table = f.text(&format!("{folder}/chart.csv"));
@@ -221,14 +220,16 @@ fn the_suite_judges_every_method_and_scene() {
 
 #[test]
 fn mistakes_are_named() {
-    let f = Charts::new();
-    let with = |more: &str| format!("scene.xml --methods path --times 0.05 --reference-time 0.5 {more}");
+    // Path tracing needs no tables.
+    let f = Charts(Folder::with(SCENE, &["chart"]));
+    let of = |more: &str| format!("scene.xml --methods path --times 0.05 {more}");
+    let with = |more: &str| of(&format!("--reference-time 0.5 {more}"));
     f.bad(&with("-o out missing.xml"), "missing.xml");
     f.bad("-o out", "SCENE");
     f.bad("--suite stability -o out", "tests/scenes/failure: there is no such folder");
     f.bad("scene.xml scene.xml -o out", "scene: two scenes of this name");
-    f.bad(&with("--reference a.exr --reference b.exr -o out"), "--reference: 2 given for 1 scenes");
-    f.bad(&with("--reference a.exr -o out"), "a.exr");
+    f.bad(&of("--reference a.exr --reference b.exr -o out"), "--reference: 2 given for 1 scenes");
+    f.bad(&of("--reference a.exr -o out"), "a.exr");
     f.bad("scene.xml --methods photons -o out", "photons");
     f.bad("scene.xml --methods path,path -o out", "path is there twice");
     f.bad("scene.xml --times 0 -o out", "--times");
@@ -241,7 +242,7 @@ fn mistakes_are_named() {
     f.bad(&with("-o file"), "file");
     f.ok(&with("-o out"));
     f.bad(
-        &with(&format!("--width 16 --reference {} -o other", reference(&f, "out"))),
+        &of(&format!("--width 16 --reference {} -o other", reference(&f, "out"))),
         "32×32 pixels, but scene has 16×16",
     );
 

@@ -48,8 +48,8 @@ fn folder() -> Folder {
 
 /// The one line of a refusal.
 fn refusal(f: &Folder, args: &str) -> String {
-    let (code, _, err) = f.run(args);
-    assert!(code == 2 && err.starts_with("render: ") && err.lines().count() == 1, "{args}: {err}");
+    let err = f.bad(args, "");
+    assert!(err.starts_with("render: ") && err.lines().count() == 1, "{args}: {err}");
     err
 }
 

@@ -210,7 +210,7 @@ fn bad_files() {
     std::fs::create_dir(&folder).unwrap();
     assert!(matches!(error(&folder), RecipeError::Read { .. }));
     let (_dir, path) = file([0xff, 0xfe, 0x00]);
-    assert!(matches!(error(&path), RecipeError::Read { .. }));
+    assert!(matches!(error(&path), RecipeError::Syntax { .. }));
     // Deep nesting is refused, not followed down the stack.
     let (_dir, path) = file(format!("x = {}", "[".repeat(60_000)));
     assert!(matches!(error(&path), RecipeError::Syntax { .. }));

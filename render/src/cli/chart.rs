@@ -199,7 +199,8 @@ fn refuse_unused(plan: &Plan, given: Given) -> Result<()> {
         Engine::Cached(allowed, ..) => matches!(allowed(Setting::Tau(TOLERANCE)), Allowed::Eas | Allowed::Auto),
         Engine::Traced => false,
     };
-    let rules: [(bool, &str, &dyn Fn(&Method) -> bool); 4] = [
+    type Uses<'a> = &'a dyn Fn(&Method) -> bool;
+    let rules: [(bool, &str, Uses); 4] = [
         (given.taus, "--taus", &cached),
         (given.tables, "--tables", &tabled),
         (given.orders, "--orders", &|m| m.size() == Some(Size::Order)),

@@ -39,11 +39,11 @@ impl Folder {
         (out, err)
     }
 
-    /// Bad input: exit code 2, and one line that names what is wrong.
-    #[allow(dead_code, reason = "not every binary of tests that shares this file needs it")]
-    pub fn bad(&self, args: &str, mention: &str) {
+    /// Bad input: exit code 2, and a line that names what is wrong; returns what was said.
+    pub fn bad(&self, args: &str, mention: &str) -> String {
         let (code, _, err) = self.run(args);
         assert_eq!(code, 2, "{args}: {err}");
         assert!(err.contains(mention) && !err.contains("panicked"), "{args}: {err}");
+        err
     }
 }
