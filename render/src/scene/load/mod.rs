@@ -11,6 +11,7 @@ pub mod mesh;
 mod mitsuba;
 mod similarity;
 mod text;
+mod warnings;
 
 use super::Scene;
 use error::brief;
@@ -29,7 +30,7 @@ pub struct Options {
 }
 
 /// Loads a scene, the format chosen by the extension: `xml` (Mitsuba), `gltf` or `glb`. Returns the scene, checked by
-/// [`Scene::validate`], and warnings of one line each: what is drawn differently, or not used.
+/// [`Scene::validate`], and warnings of one line each: what is drawn differently, or not used; of many that are alike the first few.
 ///
 /// # Errors
 /// Anything unreadable, and whatever would make the picture wrong; one line with file, place and element.
@@ -46,7 +47,7 @@ pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), Load
         _ => return Err(FileError::new(path, "not a scene: the extension must be xml, gltf or glb").into()),
     };
     scene.validate().map_err(|e| FileError::new(path, e))?;
-    Ok((scene, warnings))
+    Ok((scene, warnings::condense(warnings)))
 }
 
 /// One line for all missing files of a kind, which names the first few.
