@@ -324,7 +324,7 @@ fn damage_is_named() {
         ("/buffers/0/uri", json!("gone.bin"), "gone.bin: cannot read"),
         ("/images/0/uri", json!("data:;base64,AAAA"), "image 0"),
         ("/meshes/0/primitives/0/attributes/POSITION", json!(99), "missing accessor"),
-        ("/meshes/0/primitives/0/indices", json!(0), "accessor 0: no vertex indices"),
+        ("/meshes/0/primitives/0/indices", json!(0), "accessor 0: 1 numbers per element are needed, not (Vec3, F32)"),
         ("/meshes/0/primitives/0/material", json!(7), ""),
         ("/nodes/0/children", json!([0]), "endless"),
         ("/nodes/0/mesh", json!(5), ""),

@@ -9,7 +9,9 @@ mod data;
 mod document;
 mod material;
 mod morph;
+mod pose;
 mod sides;
+mod skin;
 mod uri;
 
 use super::error::{FileError, LoadError, brief};
@@ -18,10 +20,10 @@ use super::mesh::{Finish, Mirrored, finish};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
 use data::Data;
 use document::SUPPORTED;
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 use gltf::mesh::Mode;
-use gltf::scene::Transform;
 use gltf::{Document, Node, Primitive, Semantic};
+use pose::Pose;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -53,12 +55,14 @@ pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), Loa
         .map_err(LoadError::File)
 }
 
-/// A mesh with the weights of its morph targets.
+/// A mesh with the weights of its morph targets and its skin.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Posed {
     mesh: usize,
     /// Bits of the weights, without the zeros at their end.
     weights: Vec<u32>,
+    /// A mesh with a skin lies in the world.
+    skin: Option<usize>,
 }
 
 /// A scene in the making.
@@ -71,6 +75,9 @@ struct Builder<'a> {
     textures: material::TextureCache,
     /// Materials already made, by their index in the file; `None` is glTF's default.
     materials: BTreeMap<Option<usize>, material::Made>,
+    pose: Pose,
+    /// Transforms of the joints of every skin.
+    skins: BTreeMap<usize, Vec<DAffine3>>,
     /// Placements of every mesh.
     placements: BTreeMap<Posed, Vec<DAffine3>>,
     has_camera: bool,
@@ -89,6 +96,8 @@ impl<'a> Builder<'a> {
             scene: Scene::default(),
             textures: Default::default(),
             materials: BTreeMap::new(),
+            pose: Pose::of_nodes(document),
+            skins: BTreeMap::new(),
             placements: BTreeMap::new(),
             has_camera: false,
             nodes: 0,
@@ -126,8 +135,7 @@ impl<'a> Builder<'a> {
         }
         for (posed, placements) in std::mem::take(&mut self.placements) {
             let mesh = document.meshes().nth(posed.mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
-            let weights: Vec<f32> = posed.weights.into_iter().map(f32::from_bits).collect();
-            self.mesh(&mesh, &weights, &placements)?;
+            self.mesh(&mesh, &posed, &placements)?;
         }
         if animations > 0 {
             self.warn("animations are ignored: everything is drawn in its rest pose");
@@ -153,25 +161,15 @@ impl<'a> Builder<'a> {
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
             return Err(self.data.error(format_args!("node {}: the node tree is endless", node.index())));
         }
-        let local = self.local(node);
-        let to_world = parent * local;
+        if let Some(complaint) = self.pose.nodes[node.index()].place.complaint() {
+            self.note(complaint, node_name(node));
+        }
+        let to_world = parent * self.pose.to_parent(node.index());
         if !to_world.is_finite() {
             return Err(self.data.error(format_args!("node {}: its transform is not finite", node.index())));
         }
         if let Some(mesh) = node.mesh() {
-            // A scale of zero hides a mesh.
-            if to_world.matrix3.determinant() != 0.0 {
-                let weights = node.weights().or(mesh.weights()).unwrap_or_default();
-                if weights.iter().any(|w| !w.is_finite()) {
-                    return Err(self.data.error(format_args!("node {}: a weight is not finite", node.index())));
-                }
-                let used = weights.iter().rposition(|w| *w != 0.0).map_or(0, |last| last + 1);
-                let weights = weights[..used].iter().map(|w| w.to_bits()).collect();
-                self.placements.entry(Posed { mesh: mesh.index(), weights }).or_default().push(to_world);
-            }
-            if node.skin().is_some() {
-                self.note("skins are ignored: the mesh is drawn as it was modelled", node_name(node));
-            }
+            self.place(node, &mesh, to_world)?;
         }
         if let Some(light) = node.light() {
             self.light(&light, to_world)?;
@@ -182,35 +180,41 @@ impl<'a> Builder<'a> {
         node.children().try_for_each(|child| self.node(&child, to_world, depth + 1))
     }
 
-    /// Transform of a node against its parent.
-    fn local(&mut self, node: &Node) -> DAffine3 {
-        let (translation, rotation, scale) = match node.transform() {
-            Transform::Matrix { matrix } => {
-                return DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from))));
-            }
-            Transform::Decomposed { translation, rotation, scale } => (translation, rotation, scale),
-        };
-        let rotation = DQuat::from_array(rotation.map(f64::from));
-        let length = rotation.length();
-        if length == 0.0 {
-            self.note("a rotation of length zero is left out", node_name(node));
-        } else if (length - 1.0).abs() > 1e-3 {
-            self.note("the quaternion of a rotation is not of unit length: it is normalised", node_name(node));
+    /// Notes where a node has its mesh.
+    fn place(&mut self, node: &Node, mesh: &gltf::Mesh, to_world: DAffine3) -> Result<(), FileError> {
+        let weights = self.pose.nodes[node.index()].weights.as_deref().or(mesh.weights()).unwrap_or_default();
+        if weights.iter().any(|w| !w.is_finite()) {
+            return Err(self.data.error(format_args!("node {}: a weight is not finite", node.index())));
         }
-        let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
-        let scale = DMat3::from_diagonal(DVec3::from(scale.map(f64::from)));
-        let translation = DVec3::from(translation.map(f64::from));
-        DAffine3 { matrix3: DMat3::from_quat(rotation) * scale, translation }
+        let used = weights.iter().rposition(|w| *w != 0.0).map_or(0, |last| last + 1);
+        let weights = weights[..used].iter().map(|w| w.to_bits()).collect();
+        let mut skin = node.skin();
+        if skin.is_some() && mesh.primitives().all(|p| p.get(&Semantic::Joints(0)).is_none()) {
+            self.note("a skin is ignored: its mesh has no joints", node_name(node));
+            skin = None;
+        }
+        let posed = Posed { mesh: mesh.index(), weights, skin: skin.as_ref().map(gltf::Skin::index) };
+        if let Some(skin) = skin {
+            if !self.skins.contains_key(&skin.index()) {
+                self.skins.insert(skin.index(), skin::joints(&skin, &self.pose, self.data)?);
+            }
+            // Wherever its node is, a mesh with a skin is where its joints are: once.
+            self.placements.insert(posed, vec![DAffine3::IDENTITY]);
+        } else if to_world.matrix3.determinant() != 0.0 {
+            // A scale of zero hides a mesh.
+            self.placements.entry(posed).or_default().push(to_world);
+        }
+        Ok(())
     }
 
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
-    fn mesh(&mut self, mesh: &gltf::Mesh, weights: &[f32], placements: &[DAffine3]) -> Result<(), FileError> {
+    fn mesh(&mut self, mesh: &gltf::Mesh, posed: &Posed, placements: &[DAffine3]) -> Result<(), FileError> {
         let mut emits = false;
         for primitive in mesh.primitives() {
             emits |= self.material(&primitive.material())?.emitter.is_some();
         }
         if placements.len() > 1 && !emits {
-            let shapes = self.primitives(mesh, weights, DAffine3::IDENTITY)?;
+            let shapes = self.primitives(mesh, posed, DAffine3::IDENTITY)?;
             let group = self.scene.groups.len() as u32;
             self.scene.groups.push(Group { shapes });
             let instances = placements.iter().map(|to_world| Instance { group, to_world: to_world.as_affine3a() });
@@ -218,19 +222,19 @@ impl<'a> Builder<'a> {
             return Ok(());
         }
         for &to_world in placements {
-            let shapes = self.primitives(mesh, weights, to_world)?;
+            let shapes = self.primitives(mesh, posed, to_world)?;
             self.scene.shapes.extend(shapes);
         }
         Ok(())
     }
 
-    fn primitives(&mut self, mesh: &gltf::Mesh, weights: &[f32], to_world: DAffine3) -> Result<Vec<Shape>, FileError> {
+    fn primitives(&mut self, mesh: &gltf::Mesh, posed: &Posed, to_world: DAffine3) -> Result<Vec<Shape>, FileError> {
         let mut shapes = Vec::new();
         for primitive in mesh.primitives() {
             let what =
                 format!("mesh {} ({}), primitive {}", mesh.index(), mesh.name().unwrap_or("-"), primitive.index());
             let made = self.material(&primitive.material())?;
-            let Some(geometry) = self.geometry(&primitive, weights, made.uv_set, &what)? else { continue };
+            let Some(geometry) = self.geometry(&primitive, posed, made.uv_set, &what)? else { continue };
             let flat = geometry.normals.is_empty();
             let how = Finish {
                 to_world: to_world.as_affine3a(),
@@ -260,7 +264,7 @@ impl<'a> Builder<'a> {
     fn geometry(
         &mut self,
         primitive: &Primitive,
-        weights: &[f32],
+        posed: &Posed,
         uv_set: u32,
         what: &str,
     ) -> Result<Option<Mesh>, FileError> {
@@ -280,12 +284,13 @@ impl<'a> Builder<'a> {
         if [mesh.normals.len(), mesh.uvs.len()].iter().any(|&n| n != 0 && n != count) {
             return Err(data.error(format_args!("{what}: attributes of different length")));
         }
-        morph::apply(&mut mesh, primitive, weights, data, what)?;
+        let weights: Vec<f32> = posed.weights.iter().copied().map(f32::from_bits).collect();
+        morph::apply(&mut mesh, primitive, &weights, data, what)?;
         if attribute(Semantic::Colors(0)).is_some() {
             self.note("vertex colours are ignored", what);
         }
         let corners = match primitive.indices() {
-            Some(accessor) => data.indices(&accessor)?,
+            Some(accessor) => data.integers::<1>(&accessor)?.into_flattened(),
             None => (0..count as u32).collect(),
         };
         mesh.triangles = match primitive.mode() {
@@ -304,6 +309,12 @@ impl<'a> Builder<'a> {
                 return Ok(None);
             }
         };
+        if let Some(joints) = posed.skin.and_then(|skin| self.skins.get(&skin)) {
+            let free = skin::apply(&mut mesh, primitive, joints, data, what)?;
+            if free > 0 {
+                self.note("vertices without weights follow their first joint", what);
+            }
+        }
         Ok(Some(mesh))
     }
 }

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Writes the glTF files of gltf-skin, valid and invalid: python3 make_gltf.py
+
+A glowing square from (-1, -1) to (1, 1), seen from z = 5 by a camera of four by four units."""
+import base64
+import json
+import pathlib
+import struct
+
+HERE = pathlib.Path(__file__).parent
+FORMATS = {"b": 5120, "B": 5121, "h": 5122, "H": 5123, "I": 5125, "f": 5126}
+TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+CORNERS = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+
+
+class File:
+    """A glTF file with the square as mesh 0 and the camera as node 0."""
+
+    def __init__(self, corners=CORNERS, format="f", normalized=False):
+        self.data = b""
+        self.json = {
+            "asset": {"version": "2.0"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"camera": 0, "translation": [0, 0, 5]}],
+            "cameras": [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 2, "znear": 0.1, "zfar": 100}}],
+            "materials": [{"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}],
+            "accessors": [],
+            "bufferViews": [],
+        }
+        positions = self.accessor(corners, format, normalized)
+        indices = self.accessor([0, 1, 2, 0, 2, 3], "H")
+        self.primitive = {"attributes": {"POSITION": positions}, "indices": indices, "material": 0}
+        self.json["meshes"] = [{"primitives": [self.primitive]}]
+
+    def accessor(self, rows, format="f", normalized=False):
+        """Appends numbers or rows of numbers; rows start at multiples of four bytes."""
+        rows = [row if isinstance(row, (tuple, list)) else (row,) for row in rows]
+        size = struct.calcsize(format) * len(rows[0])
+        stride = size if len(rows[0]) == 1 else -(-size // 4) * 4
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": stride * len(rows)}
+        if stride != size:
+            view["byteStride"] = stride
+        self.data += b"".join(struct.pack(f"<{len(r)}{format}", *r).ljust(stride, b"\0") for r in rows)
+        self.data = self.data.ljust(-(-len(self.data) // 4) * 4, b"\0")
+        self.json["bufferViews"].append(view)
+        accessor = {"bufferView": len(self.json["bufferViews"]) - 1, "componentType": FORMATS[format],
+                    "count": len(rows), "type": TYPES[len(rows[0])]}
+        if normalized:
+            accessor["normalized"] = True
+        self.json["accessors"].append(accessor)
+        return len(self.json["accessors"]) - 1
+
+    def node(self, parent=None, **fields):
+        """Appends a node, to the scene or to a parent."""
+        nodes = self.json["nodes"]
+        nodes.append(fields)
+        above = self.json["scenes"][0]["nodes"] if parent is None else nodes[parent].setdefault("children", [])
+        above.append(len(nodes) - 1)
+        return len(nodes) - 1
+
+    def skin(self, joints, inverse=None):
+        skin = {"joints": joints}
+        if inverse:
+            skin["inverseBindMatrices"] = self.accessor(inverse)
+        self.json.setdefault("skins", []).append(skin)
+        return len(self.json["skins"]) - 1
+
+    def weights(self, rows, set=0, joints="B", weights="f", scale=1):
+        """Joints and weights of the four corners, each a list of pairs."""
+        pad = lambda values: tuple(values) + (0,) * (4 - len(values))
+        attributes = self.primitive["attributes"]
+        attributes[f"JOINTS_{set}"] = self.accessor([pad([j for j, _ in row]) for row in rows], joints)
+        rows = [pad([w * scale for _, w in row]) for row in rows]
+        attributes[f"WEIGHTS_{set}"] = self.accessor(rows, weights, weights != "f")
+
+    def write(self, name):
+        uri = "data:application/octet-stream;base64," + base64.b64encode(self.data).decode()
+        path = HERE / name
+        path.parent.mkdir(exist_ok=True)
+        buffers = [{"byteLength": len(self.data), "uri": uri}]
+        path.write_text(json.dumps(self.json | {"buffers": buffers}, separators=(",", ":")) + "\n")
+
+
+def scale(s):
+    return (s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, 0, 0, 0, 1)
+
+
+def one_joint(name, mesh={}, joint={}, rows=[[(0, 1)]] * 4, inverse=None, **types):
+    file = File()
+    file.weights(rows, **types)
+    file.node(mesh=0, skin=file.skin([file.node(**joint)], inverse), **mesh)
+    file.write(name)
+
+
+def skins():
+    right = {"translation": [1, 0, 0]}
+    one_joint("valid/gltf-skin/moved.gltf", {"translation": [-1, 0, 0]}, right)
+    one_joint("valid/gltf-skin/mirrored_node.gltf", {"scale": [-1, 1, 1]}, right)
+    one_joint("valid/gltf-skin/flat_node.gltf", {"scale": [0, 0, 0]}, right)
+    one_joint("valid/gltf-skin/mirrored_joint.gltf", joint={"scale": [-1, 1, 1], **right})
+    one_joint("valid/gltf-skin/no_weights.gltf", joint=right, rows=[[(0, 0)]] * 4)
+    # A joint that is not there, with weight zero.
+    one_joint("valid/gltf-skin/spare_joint.gltf", joint=right, rows=[[(0, 1), (9, 0)]] * 4)
+
+    file = File()
+    file.weights([[(0, 1)]] * 4)
+    rig = file.node(scale=[0.01] * 3, rotation=[0.5 ** 0.5, 0, 0, 0.5 ** 0.5])
+    joint = file.node(rig, rotation=[-(0.5 ** 0.5), 0, 0, 0.5 ** 0.5], translation=[100, 0, 0])
+    file.node(rig, mesh=0, skin=file.skin([joint], [scale(100)]))
+    file.write("valid/gltf-skin/rig_in_centimetres.gltf")
+
+    # The left corners follow joint 0, the right ones both alike, and joint 1 is a unit to the right.
+    left, both = [(0, 1)], [(0, 1), (1, 1)]
+    for joints, weights, unit in [("B", "f", 0.3), ("H", "B", 255), ("B", "H", 65535)]:
+        file = File()
+        file.weights([left, both, both, left], joints=joints, weights=weights, scale=unit)
+        file.node(mesh=0, skin=file.skin([file.node(), file.node(**right)], [scale(1)] * 2))
+        file.write(f"valid/gltf-skin/weights_{joints}_{weights}.gltf".lower().replace("_h", "_16").replace("_b", "_8"))
+
+    file = File()
+    file.weights([[(0, 0.5)]] * 4)
+    file.weights([[(1, 0.25), (2, 0.25)]] * 4, set=1)
+    file.node(mesh=0, skin=file.skin([file.node(), file.node(**right), file.node(translation=[3, 0, 0])]))
+    file.write("valid/gltf-skin/eight_joints.gltf")
+
+    file = File()
+    file.weights([[(0, 1)]] * 4)
+    file.primitive["targets"] = [{"POSITION": file.accessor([(1, 0, 0)] * 4)}]
+    joint = file.node(rotation=[0, 0, 0.5 ** 0.5, 0.5 ** 0.5])
+    file.node(mesh=0, skin=file.skin([joint]), weights=[1])
+    file.write("valid/gltf-skin/morph_first.gltf")
+
+    file = File()
+    file.weights([[(0, 1)]] * 4)
+    for x in (-1, 1):
+        joint = file.node(translation=[x, 0, 0])
+        file.node(mesh=0, skin=file.skin([joint]))
+    file.write("valid/gltf-skin/two_skins.gltf")
+
+    file = File()
+    file.node(mesh=0, skin=file.skin([file.node()]), **right)
+    file.write("valid/gltf-skin/no_joints.gltf")
+
+    one_joint("invalid/gltf-skin/joint_out_of_range.gltf", rows=[[(0, 1)], [(7, 1)]] * 2)
+    one_joint("invalid/gltf-skin/not_finite.gltf", rows=[[(0, float("nan"))]] * 4)
+    file = File()
+    file.weights([[(0, 1)]] * 4)
+    file.node(mesh=0, skin=file.skin([file.node(), file.node()], [scale(1)]))
+    file.write("invalid/gltf-skin/too_few_matrices.gltf")
+    file = File()
+    file.weights([[(0, 1)]] * 4)
+    del file.primitive["attributes"]["WEIGHTS_0"]
+    file.node(mesh=0, skin=file.skin([file.node()]))
+    file.write("invalid/gltf-skin/joints_without_weights.gltf")
+
+
+skins()
