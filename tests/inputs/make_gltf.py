@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the glTF files of gltf-skin, valid and invalid: python3 make_gltf.py
+"""Writes the glTF files of gltf-skin, gltf-instances and gltf-quantized, valid and invalid: python3 make_gltf.py
 
 A glowing square from (-1, -1) to (1, 1), seen from z = 5 by a camera of four by four units."""
 import base64
@@ -99,6 +99,8 @@ def skins():
     one_joint("valid/gltf-skin/mirrored_node.gltf", {"scale": [-1, 1, 1]}, right)
     one_joint("valid/gltf-skin/flat_node.gltf", {"scale": [0, 0, 0]}, right)
     one_joint("valid/gltf-skin/mirrored_joint.gltf", joint={"scale": [-1, 1, 1], **right})
+    named = {"EXT_mesh_gpu_instancing": {"attributes": {}}}
+    one_joint("valid/gltf-skin/instances.gltf", {"extensions": named}, right)
     one_joint("valid/gltf-skin/no_weights.gltf", joint=right, rows=[[(0, 0)]] * 4)
     # A joint that is not there, with weight zero.
     one_joint("valid/gltf-skin/spare_joint.gltf", joint=right, rows=[[(0, 1), (9, 0)]] * 4)
@@ -155,4 +157,77 @@ def skins():
     file.write("invalid/gltf-skin/joints_without_weights.gltf")
 
 
+def instanced(name, fields={}, node={}, **attributes):
+    file = File()
+    named = {key: file.accessor(*rows) for key, rows in attributes.items()}
+    extension = {"EXT_mesh_gpu_instancing": {"attributes": named} | fields}
+    file.json |= {"extensionsUsed": list(extension), "extensionsRequired": list(extension)}
+    file.node(mesh=0, extensions=extension, **node)
+    file.write(name)
+    return file
+
+
+def instances():
+    half = 0.5 ** 0.5
+    sides = ([(-1, 0, 0), (1, 0, 0)],)
+    instanced("valid/gltf-instances/moved.gltf", TRANSLATION=sides, SCALE=([(0.5, 0.5, 0.5)] * 2,))
+    instanced("valid/gltf-instances/scaled.gltf", node={"translation": [1, 0, 0]}, SCALE=([(0.5, 0.5, 1), (1, 0, 1)],))
+    # A quarter turn, in bytes, inside a node that is scaled along x.
+    turned = [(0, 0, 90, 90)]
+    instanced("valid/gltf-instances/turned.gltf", node={"scale": [0.5, 1, 1]}, ROTATION=(turned, "b", True),
+              SCALE=([(0.5, 2, 1)],))
+    instanced("valid/gltf-instances/own_attributes.gltf", TRANSLATION=([(1, 0, 0)],), _ID=([7], "H"))
+    instanced("valid/gltf-instances/no_attributes.gltf", node={"translation": [1, 0, 0]})
+
+    # Grey squares that a sun lights from the camera: 1/pi of its irradiance times the reflectance.
+    file = File()
+    file.json["materials"] = [{"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1},
+                               "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}]
+    extension = {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": file.accessor(*sides)}}}
+    file.json["extensionsUsed"] = ["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_materials_specular"]
+    file.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 683 * 3.14159265}]}}
+    file.node(mesh=0, extensions=extension)
+    file.node(extensions={"KHR_lights_punctual": {"light": 0}})
+    file.write("valid/gltf-instances/lit.gltf")
+
+    instanced("invalid/gltf-instances/lengths.gltf", TRANSLATION=sides, SCALE=([(1, 1, 1)],))
+    instanced("invalid/gltf-instances/no_accessor.gltf", fields={"attributes": {"TRANSLATION": 9}})
+    instanced("invalid/gltf-instances/not_finite.gltf", TRANSLATION=([(0, 0, 0), (float("inf"), 0, 0)],))
+    instanced("invalid/gltf-instances/not_vectors.gltf", TRANSLATION=([1, 2],))
+
+
+def quantized(name, unit, format, normalized, **node):
+    file = File([tuple(unit * x for x in corner) for corner in CORNERS], format, normalized)
+    file.json |= {"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"]}
+    file.node(mesh=0, **node)
+    file.write(name)
+
+
+def quantization():
+    right = {"translation": [1, 0, 0]}
+    quantized("valid/gltf-quantized/bytes.gltf", 1, "b", False, **right)
+    quantized("valid/gltf-quantized/shorts.gltf", 1000, "h", False, scale=[0.001] * 3, **right)
+    quantized("valid/gltf-quantized/normalized_bytes.gltf", 127, "b", True, **right)
+    quantized("valid/gltf-quantized/normalized_shorts.gltf", 32767, "h", True, **right)
+
+    # Everything in integers, the coordinates beyond one.
+    file = File([tuple(100 * x for x in corner) for corner in CORNERS], "b")
+    file.json |= {"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"]}
+    target = {"POSITION": file.accessor([(100, 0, 0)] * 4, "b"), "NORMAL": file.accessor([(0, 0, 0)] * 4, "b", True)}
+    file.primitive["targets"] = [target]
+    file.primitive["attributes"]["NORMAL"] = file.accessor([(0, 0, 127)] * 4, "b", True)
+    file.primitive["attributes"]["TANGENT"] = file.accessor([(127, 0, 0, 127)] * 4, "b", True)
+    file.primitive["attributes"]["TEXCOORD_0"] = file.accessor([(0, 0), (9, 0), (9, 9), (0, 9)], "H")
+    file.node(mesh=0, weights=[1], scale=[0.01] * 3)
+    file.write("valid/gltf-quantized/morphed.gltf")
+
+    file = File([tuple(100 * x for x in corner) for corner in CORNERS], "h")
+    file.json |= {"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"]}
+    file.weights([[(0, 1)]] * 4, weights="B", scale=255)
+    file.node(mesh=0, skin=file.skin([file.node(**right)], [scale(0.01)]))
+    file.write("valid/gltf-quantized/skinned.gltf")
+
+
 skins()
+instances()
+quantization()

@@ -7,8 +7,10 @@ mod camera;
 mod container;
 mod data;
 mod document;
+mod instancing;
 mod material;
 mod morph;
+mod placement;
 mod pose;
 mod sides;
 mod skin;
@@ -23,6 +25,7 @@ use document::SUPPORTED;
 use glam::{DAffine3, Vec2, Vec3};
 use gltf::mesh::Mode;
 use gltf::{Document, Node, Primitive, Semantic};
+use placement::Posed;
 use pose::Pose;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -55,18 +58,9 @@ pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), Loa
         .map_err(LoadError::File)
 }
 
-/// A mesh with the weights of its morph targets and its skin.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Posed {
-    mesh: usize,
-    /// Bits of the weights, without the zeros at their end.
-    weights: Vec<u32>,
-    /// A mesh with a skin lies in the world.
-    skin: Option<usize>,
-}
-
 /// A scene in the making.
 struct Builder<'a> {
+    document: &'a Document,
     data: &'a Data<'a>,
     scene: Scene,
     warnings: Vec<String>,
@@ -82,16 +76,18 @@ struct Builder<'a> {
     placements: BTreeMap<Posed, Vec<DAffine3>>,
     has_camera: bool,
     nodes: usize,
+    instances: usize,
     skip_missing: bool,
     /// Files of textures that are missing.
     missing: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(data: &'a Data<'a>, document: &Document, skip_missing: bool) -> Self {
+    fn new(data: &'a Data<'a>, document: &'a Document, skip_missing: bool) -> Self {
         let mut builder = Self {
             warnings: Vec::new(),
             notes: BTreeMap::new(),
+            document,
             data,
             scene: Scene::default(),
             textures: Default::default(),
@@ -101,6 +97,7 @@ impl<'a> Builder<'a> {
             placements: BTreeMap::new(),
             has_camera: false,
             nodes: 0,
+            instances: 0,
             skip_missing,
             missing: Vec::new(),
         };
@@ -180,33 +177,6 @@ impl<'a> Builder<'a> {
         node.children().try_for_each(|child| self.node(&child, to_world, depth + 1))
     }
 
-    /// Notes where a node has its mesh.
-    fn place(&mut self, node: &Node, mesh: &gltf::Mesh, to_world: DAffine3) -> Result<(), FileError> {
-        let weights = self.pose.nodes[node.index()].weights.as_deref().or(mesh.weights()).unwrap_or_default();
-        if weights.iter().any(|w| !w.is_finite()) {
-            return Err(self.data.error(format_args!("node {}: a weight is not finite", node.index())));
-        }
-        let used = weights.iter().rposition(|w| *w != 0.0).map_or(0, |last| last + 1);
-        let weights = weights[..used].iter().map(|w| w.to_bits()).collect();
-        let mut skin = node.skin();
-        if skin.is_some() && mesh.primitives().all(|p| p.get(&Semantic::Joints(0)).is_none()) {
-            self.note("a skin is ignored: its mesh has no joints", node_name(node));
-            skin = None;
-        }
-        let posed = Posed { mesh: mesh.index(), weights, skin: skin.as_ref().map(gltf::Skin::index) };
-        if let Some(skin) = skin {
-            if !self.skins.contains_key(&skin.index()) {
-                self.skins.insert(skin.index(), skin::joints(&skin, &self.pose, self.data)?);
-            }
-            // Wherever its node is, a mesh with a skin is where its joints are: once.
-            self.placements.insert(posed, vec![DAffine3::IDENTITY]);
-        } else if to_world.matrix3.determinant() != 0.0 {
-            // A scale of zero hides a mesh.
-            self.placements.entry(posed).or_default().push(to_world);
-        }
-        Ok(())
-    }
-
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
     fn mesh(&mut self, mesh: &gltf::Mesh, posed: &Posed, placements: &[DAffine3]) -> Result<(), FileError> {
         let mut emits = false;
@@ -284,8 +254,7 @@ impl<'a> Builder<'a> {
         if [mesh.normals.len(), mesh.uvs.len()].iter().any(|&n| n != 0 && n != count) {
             return Err(data.error(format_args!("{what}: attributes of different length")));
         }
-        let weights: Vec<f32> = posed.weights.iter().copied().map(f32::from_bits).collect();
-        morph::apply(&mut mesh, primitive, &weights, data, what)?;
+        morph::apply(&mut mesh, primitive, &posed.weights(), data, what)?;
         if attribute(Semantic::Colors(0)).is_some() {
             self.note("vertex colours are ignored", what);
         }

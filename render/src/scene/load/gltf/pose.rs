@@ -29,7 +29,7 @@ pub enum Place {
 
 impl Place {
     /// To the space of the parent.
-    fn to_parent(self) -> DAffine3 {
+    pub fn to_parent(self) -> DAffine3 {
         match self {
             Self::Matrix(matrix) => matrix,
             Self::Parts { translation, rotation, scale } => {
