@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the glTF files of gltf-skin, gltf-instances and gltf-quantized, valid and invalid: python3 make_gltf.py
+"""Writes the glTF files of gltf-skin, gltf-instances, gltf-quantized and gltf-animation, valid and invalid: python3 make_gltf.py
 
 A glowing square from (-1, -1) to (1, 1), seen from z = 5 by a camera of four by four units."""
 import base64
@@ -65,6 +65,16 @@ class File:
             skin["inverseBindMatrices"] = self.accessor(inverse)
         self.json.setdefault("skins", []).append(skin)
         return len(self.json["skins"]) - 1
+
+    def animation(self, *channels):
+        """Appends an animation; a channel is node, path, times, accessor of values, and the interpolation."""
+        animation = {"channels": [], "samplers": []}
+        for node, path, times, output, interpolation in channels:
+            target = {"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}}
+            animation["channels"].append(target)
+            sampler = {"input": self.accessor(times), "output": output, "interpolation": interpolation}
+            animation["samplers"].append(sampler)
+        self.json.setdefault("animations", []).append(animation)
 
     def weights(self, rows, set=0, joints="B", weights="f", scale=1):
         """Joints and weights of the four corners, each a list of pairs."""
@@ -228,6 +238,85 @@ def quantization():
     file.write("valid/gltf-quantized/skinned.gltf")
 
 
+def animations():
+    x = lambda *values: [(value, 0, 0) for value in values]
+    valid, invalid = "valid/gltf-animation/", "invalid/gltf-animation/"
+
+    def square(**fields):
+        file = File()
+        return file, file.node(mesh=0, **fields)
+
+    file, node = square()
+    file.animation((node, "translation", [0, 1], file.accessor(x(-1, 1)), "LINEAR"))
+    file.write(valid + "linear.gltf")
+    file, node = square()
+    file.animation((node, "translation", [0, 5 / 24, 7 / 24], file.accessor(x(-1, 1, 0)), "STEP"))
+    file.write(valid + "step.gltf")
+    file, node = square()
+    file.animation((node, "translation", [1, 3], file.accessor(x(0, 0, 2, -2, 0, 0)), "CUBICSPLINE"))
+    file.write(valid + "spline.gltf")
+
+    # The values are zero but for the one at the end.
+    file, node = square()
+    file.accessor([1], "B")
+    file.accessor(x(1))
+    values, indices = (file.json["accessors"].pop()["bufferView"] for _ in range(2))
+    file.json["accessors"].append({"componentType": 5126, "count": 2, "type": "VEC3", "sparse": {
+        "count": 1, "indices": {"bufferView": indices, "componentType": 5121}, "values": {"bufferView": values}}})
+    file.animation((node, "translation", [0, 1], len(file.json["accessors"]) - 1, "LINEAR"))
+    file.write(valid + "sparse.gltf")
+
+    # A joint, the square one unit to its right, turns by half a turn; in normalised shorts.
+    file = File([(a + 1, b, c) for a, b, c in CORNERS])
+    file.weights([[(0, 1)]] * 4)
+    joint = file.node()
+    file.node(mesh=0, skin=file.skin([joint]))
+    turn = file.accessor([(0, 0, 0, 32767), (0, 0, -32767, 0)], "h", True)
+    file.animation((joint, "rotation", [0, 1], turn, "LINEAR"))
+    file.write(valid + "turned_joint.gltf")
+
+    # Two targets, one unit to the right and two; in normalised bytes.
+    file, node = square()
+    file.primitive["targets"] = [{"POSITION": file.accessor([(d, 0, 0)] * 4)} for d in (1, 2)]
+    weights = file.accessor([0, 0, 0, 255], "B", True)
+    file.animation((node, "weights", [0, 1], weights, "LINEAR"))
+    file.write(valid + "weights.gltf")
+
+    file, node = square()
+    file.animation((0, "translation", [0, 1], file.accessor([(0, 0, 5), (-2, 0, 5)]), "LINEAR"))
+    file.write(valid + "camera.gltf")
+
+    # Two animations: the second one moves the square, too, and halves its height.
+    file, node = square()
+    file.animation((node, "translation", [0, 1], file.accessor(x(-1, 1)), "LINEAR"))
+    file.animation((node, "translation", [0, 1], file.accessor(x(0, 0)), "LINEAR"),
+                   (node, "scale", [0, 1], file.accessor([(1, 1, 1), (1, 0.5, 1)]), "LINEAR"))
+    file.json["animations"][1]["channels"].append({"sampler": 0, "target": {"path": "pointer"}})
+    file.write(valid + "two.gltf")
+
+    # A node with a matrix, which a translation replaces in part.
+    file, node = square(matrix=[0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1])
+    file.animation((node, "translation", [0], file.accessor(x(1)), "LINEAR"))
+    file.write(valid + "matrix.gltf")
+
+    file, node = square()
+    file.write(valid + "nothing_moves.gltf")
+
+    for name, node, times, values in [("backwards", 1, [1, 0], x(0, 1)), ("too_few", 1, [0, 1, 2], x(0, 1)),
+                                      ("no_node", 7, [0, 1], x(0, 1)), ("not_a_time", 1, [0, float("nan")], x(0, 1))]:
+        file, _ = square()
+        file.animation((node, "translation", times, file.accessor(values), "LINEAR"))
+        file.write(invalid + name + ".gltf")
+    file, node = square()
+    file.animation((node, "translation", [0, 1], file.accessor(x(0, 1)), "LINEAR"))
+    file.json["animations"][0]["channels"][0]["sampler"] = 3
+    file.write(invalid + "no_sampler.gltf")
+    file.json["animations"][0]["channels"][0]["sampler"] = 0
+    file.json["animations"][0]["samplers"][0]["output"] = 99
+    file.write(invalid + "no_accessor.gltf")
+
+
 skins()
 instances()
+animations()
 quantization()

@@ -3,11 +3,13 @@
 //! Units: emissive values become radiance as they are, which is what Blender's exporter writes; photometric units of
 //! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
 
+mod animation;
 mod camera;
 mod container;
 mod data;
 mod document;
 mod instancing;
+mod keys;
 mod material;
 mod morph;
 mod placement;
@@ -17,9 +19,10 @@ mod skin;
 mod uri;
 
 use super::error::{FileError, LoadError, brief};
-use super::left_out;
 use super::mesh::{Finish, Mirrored, finish};
+use super::{Options, left_out};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
+use animation::Animations;
 use data::Data;
 use document::SUPPORTED;
 use glam::{DAffine3, Vec2, Vec3};
@@ -42,15 +45,22 @@ const MAX_NODES: usize = 1 << 20;
 ///
 /// # Errors
 /// The first thing that makes the file unreadable or the picture wrong.
-pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), LoadError> {
+pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), LoadError> {
     let bytes = super::error::read_file(path, MAX_FILE)?;
     // The library indexes without checks in places; what it relies on is checked before, and this is the net below.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let (text, blob) = container::open(&bytes, path)?;
         let (document, animations) = document::parse(&text, path)?;
         let data = Data::new(path, &document, blob)?;
-        let mut builder = Builder::new(&data, &document, skip_missing);
-        builder.document(&document, animations)?;
+        let mut builder = Builder::new(&data, &document, options.skip_missing);
+        match options.animation_time {
+            Some(time) => builder.animate(&text, time)?,
+            None if animations > 0 => {
+                builder.warn("animations are ignored: --frame or --time-of-animation picks a moment of them");
+            }
+            None => {}
+        }
+        builder.document(&document)?;
         Ok((builder.scene, builder.warnings))
     }));
     result
@@ -115,7 +125,18 @@ impl<'a> Builder<'a> {
         self.notes.entry(what).or_insert_with(|| (place.to_string(), 0)).1 += 1;
     }
 
-    fn document(&mut self, document: &Document, animations: usize) -> Result<(), FileError> {
+    /// Puts the nodes where the animations, from the JSON of the file, have them at a time in seconds.
+    fn animate(&mut self, text: &str, time: f32) -> Result<(), FileError> {
+        let mut animations = Animations::read(text, self.document, self.data)?;
+        std::mem::take(&mut animations.notes).into_iter().for_each(|(what, place)| self.note(what, place));
+        if animations.is_empty() {
+            self.warn("nothing in the file moves: it looks the same at any time");
+        }
+        self.pose = animations.pose(time, &self.pose);
+        Ok(())
+    }
+
+    fn document(&mut self, document: &Document) -> Result<(), FileError> {
         let roots: Vec<Node> = match document.default_scene().or_else(|| document.scenes().next()) {
             Some(scene) => scene.nodes().collect(),
             // A file without a scene is a library: everything in it is drawn.
@@ -133,9 +154,6 @@ impl<'a> Builder<'a> {
         for (posed, placements) in std::mem::take(&mut self.placements) {
             let mesh = document.meshes().nth(posed.mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
             self.mesh(&mesh, &posed, &placements)?;
-        }
-        if animations > 0 {
-            self.warn("animations are ignored: everything is drawn in its rest pose");
         }
         for (what, (place, count)) in std::mem::take(&mut self.notes) {
             let more = if count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };

@@ -40,6 +40,17 @@ impl Place {
         }
     }
 
+    /// Translation, rotation and scale; of a matrix, those that come nearest to it.
+    pub fn parts(self) -> (DVec3, DQuat, DVec3) {
+        match self {
+            Self::Matrix(matrix) => {
+                let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+                (translation, rotation, scale)
+            }
+            Self::Parts { translation, rotation, scale } => (translation, rotation, scale),
+        }
+    }
+
     /// What is done to a rotation that is none.
     pub fn complaint(self) -> Option<&'static str> {
         let Self::Parts { rotation, .. } = self else { return None };
