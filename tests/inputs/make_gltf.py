@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the glTF files of gltf-skin, gltf-instances, gltf-quantized and gltf-animation, valid and invalid: python3 make_gltf.py
+"""Writes the glTF files of gltf-skin, gltf-instances, gltf-quantized, gltf-animation and gltf-left-out, valid and
+invalid: python3 make_gltf.py
 
 A glowing square from (-1, -1) to (1, 1), seen from z = 5 by a camera of four by four units."""
 import base64
@@ -316,7 +317,45 @@ def animations():
     file.write(invalid + "no_accessor.gltf")
 
 
+def left_out():
+    def extended(name, extension, required, **places):
+        """`places`: lists of the file and what stands there in the extension's name."""
+        file = File()
+        file.node(mesh=0, translation=[1, 0, 0])
+        file.json["extensionsUsed"] = [extension]
+        if required:
+            file.json["extensionsRequired"] = [extension]
+        for place, value in places.items():
+            where = file.primitive if place == "primitive" else file.json[place][0]
+            where["extensions"] = {extension: value}
+        return file, name
+
+    draco, meshopt = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
+    compressed = {"bufferView": 0, "attributes": {"POSITION": 0}}
+    file, name = extended("valid/gltf-left-out/draco_and_plain.gltf", draco, False, primitive=compressed)
+    file.write(name)
+    file, name = extended("invalid/gltf-left-out/draco_required.gltf", draco, True, primitive=compressed)
+    file.write(name)
+    file, name = extended("invalid/gltf-left-out/draco_alone.gltf", draco, False, primitive=compressed)
+    del file.json["accessors"][0]["bufferView"]
+    file.write(name)
+    file, name = extended("invalid/gltf-left-out/meshopt_required.gltf", meshopt, True)
+    file.write(name)
+    file, name = extended("valid/gltf-left-out/sky.gltf", "EXT_lights_image_based", True, scenes={"light": 0})
+    file.write(name)
+    file, name = extended("invalid/gltf-left-out/sky_not_required.gltf", "EXT_lights_image_based", False, scenes={"light": 0})
+    file.write(name)
+
+    # A morph target without data moves nothing.
+    file = File()
+    file.json["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC3"})
+    file.primitive["targets"] = [{"POSITION": len(file.json["accessors"]) - 1}]
+    file.node(mesh=0, weights=[1], translation=[1, 0, 0])
+    file.write("valid/gltf-morph/zeros.gltf")
+
+
 skins()
 instances()
 animations()
+left_out()
 quantization()

@@ -85,13 +85,12 @@ impl<'a> Data<'a> {
                 let place = (accessor.offset(), view.stride().unwrap_or(size), size, count);
                 self.blocks(&view, place, &name("its elements"))?.collect()
             }
-            None if accessor.sparse().is_none() => return Err(self.error(name("an accessor without data"))),
             None if count == 0 || count > MAX_ZEROS => {
-                return Err(self.error(name(&format!("{count} elements, all zero but for some"))));
+                return Err(self.error(name(&format!("{count} elements without data"))));
             }
             None => vec![&ZEROS[..size]; count],
         };
-        if let Some(sparse) = accessor.sparse() {
+        if let Some(sparse) = accessor.sparse().filter(|s| s.count() > 0) {
             let (indices, values) = (sparse.indices(), sparse.values());
             let width = match indices.index_type() {
                 IndexType::U8 => 1,

@@ -50,7 +50,7 @@ pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), Load
     // The library indexes without checks in places; what it relies on is checked before, and this is the net below.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let (text, blob) = container::open(&bytes, path)?;
-        let (document, animations) = document::parse(&text, path)?;
+        let (document, animations) = document::parse(&text, path, options.skip_missing)?;
         let data = Data::new(path, &document, blob)?;
         let mut builder = Builder::new(&data, &document, options.skip_missing);
         match options.animation_time {
