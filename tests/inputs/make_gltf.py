@@ -346,6 +346,13 @@ def left_out():
     file, name = extended("invalid/gltf-left-out/sky_not_required.gltf", "EXT_lights_image_based", False, scenes={"light": 0})
     file.write(name)
 
+    file = File()
+    hidden = file.node(extensions={"KHR_node_visibility": {"visible": False}})
+    file.node(hidden, mesh=0)
+    file.node(mesh=0, translation=[1, 0, 0], extensions={"KHR_node_visibility": {"visible": True}})
+    file.json |= {"extensionsUsed": ["KHR_node_visibility"], "extensionsRequired": ["KHR_node_visibility"]}
+    file.write("valid/gltf-left-out/hidden.gltf")
+
     # A morph target without data moves nothing.
     file = File()
     file.json["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC3"})

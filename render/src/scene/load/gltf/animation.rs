@@ -9,6 +9,9 @@ use gltf::Document;
 use serde::Deserialize;
 use std::collections::HashSet;
 
+/// More numbers are refused, so that channels that share an accessor cannot grow without end.
+const MAX_NUMBERS: usize = 1 << 28;
+
 /// The part of the file that is read here rather than by the `gltf` crate, which refuses what extensions animate.
 #[derive(Deserialize)]
 struct File {
@@ -77,7 +80,7 @@ impl Animations {
     pub fn read(text: &str, document: &Document, data: &Data) -> Result<Self, FileError> {
         let file: File = serde_json::from_str(text).map_err(|e| FileError::at(data.path, e.line(), e))?;
         let mut all = Self::default();
-        let mut moved = HashSet::new();
+        let (mut moved, mut numbers) = (HashSet::new(), 0);
         for (a, animation) in file.animations.iter().enumerate() {
             for (c, ChannelText { sampler, target }) in animation.channels.iter().enumerate() {
                 let place = format!("animation {a}, channel {c}");
@@ -112,6 +115,10 @@ impl Animations {
                     Property::Weights => (data.vectors::<1>(&output)?.into_flattened(), None),
                 };
                 let times = data.vectors::<1>(&input)?.into_flattened();
+                numbers += times.len() + values.len();
+                if numbers > MAX_NUMBERS {
+                    return Err(error("too many keys".into()));
+                }
                 let curve = Curve::new(times, values, width, sampler.interpolation)
                     .map_err(|what| error(format!("accessors {} and {}: {what}", sampler.input, sampler.output)))?;
                 all.channels.push(Channel { node, property, curve });

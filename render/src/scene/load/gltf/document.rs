@@ -14,7 +14,7 @@ use serde_json::json;
 use std::path::Path;
 
 /// Extensions that are applied.
-pub const SUPPORTED: [&str; 8] = [
+pub const SUPPORTED: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -22,6 +22,7 @@ pub const SUPPORTED: [&str; 8] = [
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 

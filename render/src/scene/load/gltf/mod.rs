@@ -1,4 +1,5 @@
-//! glTF 2.0, `.gltf` and `.glb`: meshes, metallic-roughness materials, punctual lights, the camera.
+//! glTF 2.0, `.gltf` and `.glb`: meshes, metallic-roughness materials, punctual lights, the camera; skins, morph targets
+//! and instances, as the nodes stand in the file or at a moment of its animations.
 //!
 //! Units: emissive values become radiance as they are, which is what Blender's exporter writes; photometric units of
 //! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
@@ -149,7 +150,7 @@ impl<'a> Builder<'a> {
             return Err(self.data.error("the file has no scene"));
         }
         for node in roots {
-            self.node(&node, DAffine3::IDENTITY, 0)?;
+            self.node(&node, DAffine3::IDENTITY, true, 0)?;
         }
         for (posed, placements) in std::mem::take(&mut self.placements) {
             let mesh = document.meshes().nth(posed.mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
@@ -171,11 +172,13 @@ impl<'a> Builder<'a> {
     }
 
     /// Collects the meshes of a node and those below it, and takes its light and camera.
-    fn node(&mut self, node: &Node, parent: DAffine3, depth: usize) -> Result<(), FileError> {
+    fn node(&mut self, node: &Node, parent: DAffine3, visible: bool, depth: usize) -> Result<(), FileError> {
         self.nodes += 1;
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
             return Err(self.data.error(format_args!("node {}: the node tree is endless", node.index())));
         }
+        // What hangs on a hidden node is hidden, too.
+        let visible = visible && node.extension_value("KHR_node_visibility").is_none_or(|e| e["visible"] != false);
         if let Some(complaint) = self.pose.nodes[node.index()].place.complaint() {
             self.note(complaint, node_name(node));
         }
@@ -183,16 +186,16 @@ impl<'a> Builder<'a> {
         if !to_world.is_finite() {
             return Err(self.data.error(format_args!("node {}: its transform is not finite", node.index())));
         }
-        if let Some(mesh) = node.mesh() {
+        if let Some(mesh) = node.mesh().filter(|_| visible) {
             self.place(node, &mesh, to_world)?;
         }
-        if let Some(light) = node.light() {
+        if let Some(light) = node.light().filter(|_| visible) {
             self.light(&light, to_world)?;
         }
         if let Some(camera) = node.camera() {
             self.camera(&camera, to_world)?;
         }
-        node.children().try_for_each(|child| self.node(&child, to_world, depth + 1))
+        node.children().try_for_each(|child| self.node(&child, to_world, visible, depth + 1))
     }
 
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
