@@ -172,7 +172,7 @@ fn plan(args: Args) -> Result<Plan> {
         spp: args.spp.unwrap_or(64),
         stability,
         width: args.width.or(stability.then_some(64)),
-        load: Options { defines: args.define, skip_missing: args.skip_missing },
+        load: Options { defines: args.define, skip_missing: args.skip_missing, ..Options::default() },
         tables: args.tables.unwrap_or("tables".into()),
         seed: args.seed,
         indirect_only: args.indirect_only,

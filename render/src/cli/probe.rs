@@ -79,7 +79,8 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 /// Gathers, measures, writes.
 pub fn run(args: &Args) -> Result<ExitCode> {
     output::check_folder(&args.output)?;
-    let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
+    let options =
+        load::Options { defines: args.define.clone(), skip_missing: args.skip_missing, ..load::Options::default() };
     let (mut scene, warnings) = load::load(&args.scene, &options)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");

@@ -20,13 +20,15 @@ use std::path::Path;
 pub use error::{FileError, LoadError, Place};
 
 /// How to load a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Values of the scene's parameters (`-D name=value`); they win over the scene's own.
     pub defines: Vec<(String, String)>,
     /// Leave out shapes whose mesh file is missing, and draw missing textures as an even grey of 0.5, with a warning
     /// for each of the two kinds.
     pub skip_missing: bool,
+    /// The moment of a glTF file's animations, in seconds; without one, everything is drawn as its nodes stand in the file.
+    pub animation_time: Option<f32>,
 }
 
 /// Loads a scene, the format chosen by the extension: `xml` (Mitsuba), `gltf` or `glb`. Returns the scene, checked by
@@ -37,12 +39,15 @@ pub struct Options {
 pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), LoadError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let (scene, warnings) = match extension.as_str() {
+        "xml" if options.animation_time.is_some() => {
+            return Err(FileError::new(path, "--frame, --time-of-animation: only glTF scenes have animations").into());
+        }
         "xml" => mitsuba::load(path, options)?,
         "gltf" | "glb" => {
             if let Some((name, _)) = options.defines.first() {
                 return Err(FileError::new(path, format_args!("-D {name}: glTF scenes have no parameters")).into());
             }
-            gltf::load(path, options.skip_missing)?
+            gltf::load(path, options)?
         }
         _ => return Err(FileError::new(path, "not a scene: the extension must be xml, gltf or glb").into()),
     };

@@ -85,13 +85,12 @@ impl<'a> Data<'a> {
                 let place = (accessor.offset(), view.stride().unwrap_or(size), size, count);
                 self.blocks(&view, place, &name("its elements"))?.collect()
             }
-            None if accessor.sparse().is_none() => return Err(self.error(name("an accessor without data"))),
             None if count == 0 || count > MAX_ZEROS => {
-                return Err(self.error(name(&format!("{count} elements, all zero but for some"))));
+                return Err(self.error(name(&format!("{count} elements without data"))));
             }
             None => vec![&ZEROS[..size]; count],
         };
-        if let Some(sparse) = accessor.sparse() {
+        if let Some(sparse) = accessor.sparse().filter(|s| s.count() > 0) {
             let (indices, values) = (sparse.indices(), sparse.values());
             let width = match indices.index_type() {
                 IndexType::U8 => 1,
@@ -111,37 +110,57 @@ impl<'a> Data<'a> {
         Ok(elements)
     }
 
-    /// Vectors of `N` numbers; integers are normalised.
-    pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>, FileError> {
-        let error = || self.error(format_args!("accessor {}: {N} numbers per element are needed", accessor.index()));
-        let components = match accessor.dimensions() {
-            Dimensions::Vec2 => 2,
-            Dimensions::Vec3 => 3,
-            _ => 0,
+    /// The elements of an accessor of `N` numbers each, read by `number`.
+    fn numbers<T, const N: usize>(
+        &self,
+        accessor: &Accessor,
+        number: Option<fn(&[u8]) -> T>,
+    ) -> Result<Vec<[T; N]>, FileError> {
+        let fits = match accessor.dimensions() {
+            Dimensions::Scalar => N == 1,
+            Dimensions::Vec2 => N == 2,
+            Dimensions::Vec3 => N == 3,
+            Dimensions::Vec4 => N == 4,
+            Dimensions::Mat4 => N == 16,
+            Dimensions::Mat2 | Dimensions::Mat3 => false,
+        };
+        let Some(number) = number.filter(|_| fits) else {
+            let found = (accessor.dimensions(), accessor.data_type());
+            let what = format_args!("accessor {}: {N} numbers per element are needed, not {found:?}", accessor.index());
+            return Err(self.error(what));
         };
         let width = accessor.data_type().size();
-        let number: fn(&[u8]) -> f32 = match accessor.data_type() {
-            DataType::F32 => |b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-            DataType::U8 => |b| f32::from(b[0]) / 255.0,
-            DataType::U16 => |b| f32::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
-            _ => return Err(error()),
-        };
-        if components != N {
-            return Err(error());
-        }
         let elements = self.elements(accessor)?;
         Ok(elements.into_iter().map(|e| std::array::from_fn(|i| number(&e[i * width..]))).collect())
     }
 
-    /// Vertex indices.
-    pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, FileError> {
-        let index: fn(&[u8]) -> u32 = match (accessor.dimensions(), accessor.data_type()) {
-            (Dimensions::Scalar, DataType::U8) => |b| b[0].into(),
-            (Dimensions::Scalar, DataType::U16) => |b| u16::from_le_bytes([b[0], b[1]]).into(),
-            (Dimensions::Scalar, DataType::U32) => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-            _ => return Err(self.error(format_args!("accessor {}: no vertex indices", accessor.index()))),
+    /// Vectors of `N` numbers. Normalised integers become numbers up to 1, others stay as they are
+    /// (`KHR_mesh_quantization`).
+    pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>, FileError> {
+        let number: Option<fn(&[u8]) -> f32> = match (accessor.data_type(), accessor.normalized()) {
+            (DataType::F32, _) => Some(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            (DataType::U8, true) => Some(|b| f32::from(b[0]) / 255.0),
+            (DataType::U8, false) => Some(|b| b[0].into()),
+            (DataType::I8, true) => Some(|b| (f32::from(b[0] as i8) / 127.0).max(-1.0)),
+            (DataType::I8, false) => Some(|b| (b[0] as i8).into()),
+            (DataType::U16, true) => Some(|b| f32::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0),
+            (DataType::U16, false) => Some(|b| u16::from_le_bytes([b[0], b[1]]).into()),
+            (DataType::I16, true) => Some(|b| (f32::from(i16::from_le_bytes([b[0], b[1]])) / 32767.0).max(-1.0)),
+            (DataType::I16, false) => Some(|b| i16::from_le_bytes([b[0], b[1]]).into()),
+            (DataType::U32, _) => None,
         };
-        Ok(self.elements(accessor)?.into_iter().map(index).collect())
+        self.numbers(accessor, number)
+    }
+
+    /// Vectors of `N` indices.
+    pub fn integers<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[u32; N]>, FileError> {
+        let number: Option<fn(&[u8]) -> u32> = match accessor.data_type() {
+            DataType::U8 => Some(|b| b[0].into()),
+            DataType::U16 => Some(|b| u16::from_le_bytes([b[0], b[1]]).into()),
+            DataType::U32 => Some(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            DataType::I8 | DataType::I16 | DataType::F32 => None,
+        };
+        self.numbers(accessor, number)
     }
 
     /// Decodes an image.

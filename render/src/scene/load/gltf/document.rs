@@ -3,23 +3,32 @@
 use crate::scene::load::error::FileError;
 use gltf::Document;
 use gltf::Semantic;
+use gltf::json::accessor::sparse::{Indices, Sparse, Values};
+use gltf::json::accessor::{ComponentType, IndexComponentType};
 use gltf::json::camera::Type as CameraType;
 use gltf::json::extensions::scene::khr_lights_punctual::Type as LightType;
-use gltf::json::validation::Checked;
-use gltf::json::{Root, image::MimeType};
+use gltf::json::validation::{Checked, USize64};
+use gltf::json::{Index, Root, image::MimeType};
 use serde::Deserialize;
 use serde_json::json;
 use std::path::Path;
 
 /// Extensions that are applied.
-pub const SUPPORTED: [&str; 6] = [
+pub const SUPPORTED: [&str; 9] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
+
+/// Extensions that keep geometry in a form of their own.
+const DRACO: &str = "KHR_draco_mesh_compression";
+const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// What tells the version, whatever else a file of another one holds.
 #[derive(Deserialize)]
@@ -33,7 +42,8 @@ struct Asset {
 }
 
 /// A document in which every index that is followed exists, and the number of animations, which are left out of it.
-pub fn parse(text: &str, path: &Path) -> Result<(Document, usize), FileError> {
+/// With `skip_missing`, parts of the scene that extensions hold are left out.
+pub fn parse(text: &str, path: &Path, skip_missing: bool) -> Result<(Document, usize), FileError> {
     let error = |what: String| FileError::new(path, what);
     if let Ok(head) = serde_json::from_str::<Head>(text)
         && !head.asset.version.trim().starts_with("2.")
@@ -42,10 +52,23 @@ pub fn parse(text: &str, path: &Path) -> Result<(Document, usize), FileError> {
     }
     let (mut json, animations) = root(text).map_err(|e| FileError::at(path, e.line(), e))?;
     for extension in &json.extensions_required {
-        if !SUPPORTED.contains(&extension.as_str()) {
-            return Err(error(format!("the extension {extension} is required, but not supported")));
+        let skipped = skip_missing && holds_parts(extension);
+        if !skipped && !SUPPORTED.contains(&extension.as_str()) {
+            let compressed = extension == DRACO || MESHOPT.contains(&extension.as_str());
+            let remedy = match extension {
+                _ if compressed => ": export without compression",
+                _ if holds_parts(extension) => "; --skip-missing draws the rest",
+                _ => "",
+            };
+            return Err(error(format!("the extension {extension} is required, but not supported{remedy}")));
         }
     }
+    if !skip_missing {
+        no_part_is_left_out(&json).map_err(error)?;
+    }
+    not_compressed(&json).map_err(error)?;
+    // The crate knows fewer.
+    json.extensions_required.clear();
     repair(&mut json);
     check(&json).map_err(error)?;
     let document = Document::from_json(json).map_err(|e| error(e.to_string()))?;
@@ -67,6 +90,50 @@ fn root(text: &str) -> Result<(Root, usize), serde_json::Error> {
         })
 }
 
+/// Whether an extension of a node, a scene or a primitive holds what the picture then lacks: light or surfaces.
+fn holds_parts(extension: &str) -> bool {
+    extension != "KHR_lights_punctual" && ["_lights_", "environment", "splat"].iter().any(|w| extension.contains(w))
+}
+
+/// Refuses scenes of which a part would be missing.
+fn no_part_is_left_out(json: &Root) -> Result<(), String> {
+    let nodes = json.nodes.iter().enumerate();
+    let nodes = nodes.filter_map(|(i, node)| Some(("node", i, &node.extensions.as_ref()?.others)));
+    let scenes = json.scenes.iter().enumerate();
+    let scenes = scenes.filter_map(|(i, scene)| Some(("scene", i, &scene.extensions.as_ref()?.others)));
+    let meshes = json.meshes.iter().enumerate().flat_map(|(i, mesh)| mesh.primitives.iter().map(move |p| (i, p)));
+    let meshes = meshes.filter_map(|(i, primitive)| Some(("mesh", i, &primitive.extensions.as_ref()?.others)));
+    for (kind, i, extensions) in nodes.chain(scenes).chain(meshes) {
+        if let Some(name) = extensions.keys().find(|name| holds_parts(name)) {
+            let what = format!("{kind} {i}: what the extension {name} holds is not drawn");
+            return Err(format!("{what}; --skip-missing draws the rest"));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses geometry that is there in compressed form only; files may have both.
+fn not_compressed(json: &Root) -> Result<(), String> {
+    let remedy = |name| format!("only {name} has the data: export without compression");
+    for (i, mesh) in json.meshes.iter().enumerate() {
+        for primitive in &mesh.primitives {
+            let compressed = primitive.extensions.as_ref().is_some_and(|e| e.others.contains_key(DRACO));
+            let used = primitive.attributes.values().chain(&primitive.indices);
+            let empty = |a: &gltf::json::Accessor| a.buffer_view.is_none() && a.sparse.is_none();
+            if compressed && used.filter_map(|a| json.accessors.get(a.value())).any(empty) {
+                return Err(format!("mesh {i}: {}", remedy(DRACO)));
+            }
+        }
+    }
+    for (i, buffer) in json.buffers.iter().enumerate().filter(|(_, b)| b.uri.is_none()) {
+        let extensions = buffer.extensions.as_ref().map(|e| &e.others);
+        if let Some(name) = MESHOPT.into_iter().find(|name| extensions.is_some_and(|e| e.contains_key(*name))) {
+            return Err(format!("buffer {i}: {}", remedy(name)));
+        }
+    }
+    Ok(())
+}
+
 /// Gives what the specification asks for and no picture needs.
 fn repair(json: &mut Root) {
     let position = Checked::Valid(Semantic::Positions);
@@ -78,6 +145,23 @@ fn repair(json: &mut Root) {
             // Bounds are measured, not believed.
             (accessor.min, accessor.max) = (Some(json!([0.0, 0.0, 0.0])), Some(json!([0.0, 0.0, 0.0])));
         }
+    }
+    let first = Index::new(0);
+    for accessor in json.accessors.iter_mut().filter(|a| a.buffer_view.is_none()) {
+        // Without data it is all zeros, which the crate knows of sparse accessors only.
+        accessor.sparse.get_or_insert(Sparse {
+            count: USize64(0),
+            indices: Indices {
+                buffer_view: first,
+                byte_offset: USize64(0),
+                component_type: Checked::Valid(IndexComponentType(ComponentType::U8)),
+                extensions: None,
+                extras: None,
+            },
+            values: Values { buffer_view: first, byte_offset: USize64(0), extensions: None, extras: None },
+            extensions: None,
+            extras: None,
+        });
     }
     for image in json.images.iter_mut().filter(|i| i.buffer_view.is_some() && i.mime_type.is_none()) {
         // The first bytes of an image tell what it is.

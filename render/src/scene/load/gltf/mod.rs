@@ -1,27 +1,36 @@
-//! glTF 2.0, `.gltf` and `.glb`: meshes, metallic-roughness materials, punctual lights, the camera.
+//! glTF 2.0, `.gltf` and `.glb`: meshes, metallic-roughness materials, punctual lights, the camera; skins, morph targets
+//! and instances, as the nodes stand in the file or at a moment of its animations.
 //!
 //! Units: emissive values become radiance as they are, which is what Blender's exporter writes; photometric units of
 //! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
 
+mod animation;
 mod camera;
 mod container;
 mod data;
 mod document;
+mod instancing;
+mod keys;
 mod material;
 mod morph;
+mod placement;
+mod pose;
 mod sides;
+mod skin;
 mod uri;
 
 use super::error::{FileError, LoadError, brief};
-use super::left_out;
 use super::mesh::{Finish, Mirrored, finish};
+use super::{Options, left_out};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
+use animation::Animations;
 use data::Data;
 use document::SUPPORTED;
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 use gltf::mesh::Mode;
-use gltf::scene::Transform;
 use gltf::{Document, Node, Primitive, Semantic};
+use placement::Posed;
+use pose::Pose;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -37,15 +46,22 @@ const MAX_NODES: usize = 1 << 20;
 ///
 /// # Errors
 /// The first thing that makes the file unreadable or the picture wrong.
-pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), LoadError> {
+pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), LoadError> {
     let bytes = super::error::read_file(path, MAX_FILE)?;
     // The library indexes without checks in places; what it relies on is checked before, and this is the net below.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let (text, blob) = container::open(&bytes, path)?;
-        let (document, animations) = document::parse(&text, path)?;
+        let (document, animations) = document::parse(&text, path, options.skip_missing)?;
         let data = Data::new(path, &document, blob)?;
-        let mut builder = Builder::new(&data, &document, skip_missing);
-        builder.document(&document, animations)?;
+        let mut builder = Builder::new(&data, &document, options.skip_missing);
+        match options.animation_time {
+            Some(time) => builder.animate(&text, time)?,
+            None if animations > 0 => {
+                builder.warn("animations are ignored: --frame or --time-of-animation picks a moment of them");
+            }
+            None => {}
+        }
+        builder.document(&document)?;
         Ok((builder.scene, builder.warnings))
     }));
     result
@@ -53,16 +69,9 @@ pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), Loa
         .map_err(LoadError::File)
 }
 
-/// A mesh with the weights of its morph targets.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Posed {
-    mesh: usize,
-    /// Bits of the weights, without the zeros at their end.
-    weights: Vec<u32>,
-}
-
 /// A scene in the making.
 struct Builder<'a> {
+    document: &'a Document,
     data: &'a Data<'a>,
     scene: Scene,
     warnings: Vec<String>,
@@ -71,27 +80,35 @@ struct Builder<'a> {
     textures: material::TextureCache,
     /// Materials already made, by their index in the file; `None` is glTF's default.
     materials: BTreeMap<Option<usize>, material::Made>,
+    pose: Pose,
+    /// Transforms of the joints of every skin.
+    skins: BTreeMap<usize, Vec<DAffine3>>,
     /// Placements of every mesh.
     placements: BTreeMap<Posed, Vec<DAffine3>>,
     has_camera: bool,
     nodes: usize,
+    instances: usize,
     skip_missing: bool,
     /// Files of textures that are missing.
     missing: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(data: &'a Data<'a>, document: &Document, skip_missing: bool) -> Self {
+    fn new(data: &'a Data<'a>, document: &'a Document, skip_missing: bool) -> Self {
         let mut builder = Self {
             warnings: Vec::new(),
             notes: BTreeMap::new(),
+            document,
             data,
             scene: Scene::default(),
             textures: Default::default(),
             materials: BTreeMap::new(),
+            pose: Pose::of_nodes(document),
+            skins: BTreeMap::new(),
             placements: BTreeMap::new(),
             has_camera: false,
             nodes: 0,
+            instances: 0,
             skip_missing,
             missing: Vec::new(),
         };
@@ -109,7 +126,18 @@ impl<'a> Builder<'a> {
         self.notes.entry(what).or_insert_with(|| (place.to_string(), 0)).1 += 1;
     }
 
-    fn document(&mut self, document: &Document, animations: usize) -> Result<(), FileError> {
+    /// Puts the nodes where the animations, from the JSON of the file, have them at a time in seconds.
+    fn animate(&mut self, text: &str, time: f32) -> Result<(), FileError> {
+        let mut animations = Animations::read(text, self.document, self.data)?;
+        std::mem::take(&mut animations.notes).into_iter().for_each(|(what, place)| self.note(what, place));
+        if animations.is_empty() {
+            self.warn("nothing in the file moves: it looks the same at any time");
+        }
+        self.pose = animations.pose(time, &self.pose);
+        Ok(())
+    }
+
+    fn document(&mut self, document: &Document) -> Result<(), FileError> {
         let roots: Vec<Node> = match document.default_scene().or_else(|| document.scenes().next()) {
             Some(scene) => scene.nodes().collect(),
             // A file without a scene is a library: everything in it is drawn.
@@ -122,15 +150,11 @@ impl<'a> Builder<'a> {
             return Err(self.data.error("the file has no scene"));
         }
         for node in roots {
-            self.node(&node, DAffine3::IDENTITY, 0)?;
+            self.node(&node, DAffine3::IDENTITY, true, 0)?;
         }
         for (posed, placements) in std::mem::take(&mut self.placements) {
             let mesh = document.meshes().nth(posed.mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
-            let weights: Vec<f32> = posed.weights.into_iter().map(f32::from_bits).collect();
-            self.mesh(&mesh, &weights, &placements)?;
-        }
-        if animations > 0 {
-            self.warn("animations are ignored: everything is drawn in its rest pose");
+            self.mesh(&mesh, &posed, &placements)?;
         }
         for (what, (place, count)) in std::mem::take(&mut self.notes) {
             let more = if count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
@@ -148,69 +172,40 @@ impl<'a> Builder<'a> {
     }
 
     /// Collects the meshes of a node and those below it, and takes its light and camera.
-    fn node(&mut self, node: &Node, parent: DAffine3, depth: usize) -> Result<(), FileError> {
+    fn node(&mut self, node: &Node, parent: DAffine3, visible: bool, depth: usize) -> Result<(), FileError> {
         self.nodes += 1;
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
             return Err(self.data.error(format_args!("node {}: the node tree is endless", node.index())));
         }
-        let local = self.local(node);
-        let to_world = parent * local;
+        // What hangs on a hidden node is hidden, too.
+        let visible = visible && node.extension_value("KHR_node_visibility").is_none_or(|e| e["visible"] != false);
+        if let Some(complaint) = self.pose.nodes[node.index()].place.complaint() {
+            self.note(complaint, node_name(node));
+        }
+        let to_world = parent * self.pose.to_parent(node.index());
         if !to_world.is_finite() {
             return Err(self.data.error(format_args!("node {}: its transform is not finite", node.index())));
         }
-        if let Some(mesh) = node.mesh() {
-            // A scale of zero hides a mesh.
-            if to_world.matrix3.determinant() != 0.0 {
-                let weights = node.weights().or(mesh.weights()).unwrap_or_default();
-                if weights.iter().any(|w| !w.is_finite()) {
-                    return Err(self.data.error(format_args!("node {}: a weight is not finite", node.index())));
-                }
-                let used = weights.iter().rposition(|w| *w != 0.0).map_or(0, |last| last + 1);
-                let weights = weights[..used].iter().map(|w| w.to_bits()).collect();
-                self.placements.entry(Posed { mesh: mesh.index(), weights }).or_default().push(to_world);
-            }
-            if node.skin().is_some() {
-                self.note("skins are ignored: the mesh is drawn as it was modelled", node_name(node));
-            }
+        if let Some(mesh) = node.mesh().filter(|_| visible) {
+            self.place(node, &mesh, to_world)?;
         }
-        if let Some(light) = node.light() {
+        if let Some(light) = node.light().filter(|_| visible) {
             self.light(&light, to_world)?;
         }
         if let Some(camera) = node.camera() {
             self.camera(&camera, to_world)?;
         }
-        node.children().try_for_each(|child| self.node(&child, to_world, depth + 1))
-    }
-
-    /// Transform of a node against its parent.
-    fn local(&mut self, node: &Node) -> DAffine3 {
-        let (translation, rotation, scale) = match node.transform() {
-            Transform::Matrix { matrix } => {
-                return DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from))));
-            }
-            Transform::Decomposed { translation, rotation, scale } => (translation, rotation, scale),
-        };
-        let rotation = DQuat::from_array(rotation.map(f64::from));
-        let length = rotation.length();
-        if length == 0.0 {
-            self.note("a rotation of length zero is left out", node_name(node));
-        } else if (length - 1.0).abs() > 1e-3 {
-            self.note("the quaternion of a rotation is not of unit length: it is normalised", node_name(node));
-        }
-        let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
-        let scale = DMat3::from_diagonal(DVec3::from(scale.map(f64::from)));
-        let translation = DVec3::from(translation.map(f64::from));
-        DAffine3 { matrix3: DMat3::from_quat(rotation) * scale, translation }
+        node.children().try_for_each(|child| self.node(&child, to_world, visible, depth + 1))
     }
 
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
-    fn mesh(&mut self, mesh: &gltf::Mesh, weights: &[f32], placements: &[DAffine3]) -> Result<(), FileError> {
+    fn mesh(&mut self, mesh: &gltf::Mesh, posed: &Posed, placements: &[DAffine3]) -> Result<(), FileError> {
         let mut emits = false;
         for primitive in mesh.primitives() {
             emits |= self.material(&primitive.material())?.emitter.is_some();
         }
         if placements.len() > 1 && !emits {
-            let shapes = self.primitives(mesh, weights, DAffine3::IDENTITY)?;
+            let shapes = self.primitives(mesh, posed, DAffine3::IDENTITY)?;
             let group = self.scene.groups.len() as u32;
             self.scene.groups.push(Group { shapes });
             let instances = placements.iter().map(|to_world| Instance { group, to_world: to_world.as_affine3a() });
@@ -218,19 +213,19 @@ impl<'a> Builder<'a> {
             return Ok(());
         }
         for &to_world in placements {
-            let shapes = self.primitives(mesh, weights, to_world)?;
+            let shapes = self.primitives(mesh, posed, to_world)?;
             self.scene.shapes.extend(shapes);
         }
         Ok(())
     }
 
-    fn primitives(&mut self, mesh: &gltf::Mesh, weights: &[f32], to_world: DAffine3) -> Result<Vec<Shape>, FileError> {
+    fn primitives(&mut self, mesh: &gltf::Mesh, posed: &Posed, to_world: DAffine3) -> Result<Vec<Shape>, FileError> {
         let mut shapes = Vec::new();
         for primitive in mesh.primitives() {
             let what =
                 format!("mesh {} ({}), primitive {}", mesh.index(), mesh.name().unwrap_or("-"), primitive.index());
             let made = self.material(&primitive.material())?;
-            let Some(geometry) = self.geometry(&primitive, weights, made.uv_set, &what)? else { continue };
+            let Some(geometry) = self.geometry(&primitive, posed, made.uv_set, &what)? else { continue };
             let flat = geometry.normals.is_empty();
             let how = Finish {
                 to_world: to_world.as_affine3a(),
@@ -260,7 +255,7 @@ impl<'a> Builder<'a> {
     fn geometry(
         &mut self,
         primitive: &Primitive,
-        weights: &[f32],
+        posed: &Posed,
         uv_set: u32,
         what: &str,
     ) -> Result<Option<Mesh>, FileError> {
@@ -280,12 +275,12 @@ impl<'a> Builder<'a> {
         if [mesh.normals.len(), mesh.uvs.len()].iter().any(|&n| n != 0 && n != count) {
             return Err(data.error(format_args!("{what}: attributes of different length")));
         }
-        morph::apply(&mut mesh, primitive, weights, data, what)?;
+        morph::apply(&mut mesh, primitive, &posed.weights(), data, what)?;
         if attribute(Semantic::Colors(0)).is_some() {
             self.note("vertex colours are ignored", what);
         }
         let corners = match primitive.indices() {
-            Some(accessor) => data.indices(&accessor)?,
+            Some(accessor) => data.integers::<1>(&accessor)?.into_flattened(),
             None => (0..count as u32).collect(),
         };
         mesh.triangles = match primitive.mode() {
@@ -304,6 +299,12 @@ impl<'a> Builder<'a> {
                 return Ok(None);
             }
         };
+        if let Some(joints) = posed.skin.and_then(|skin| self.skins.get(&skin)) {
+            let free = skin::apply(&mut mesh, primitive, joints, data, what)?;
+            if free > 0 {
+                self.note("vertices without weights follow their first joint", what);
+            }
+        }
         Ok(Some(mesh))
     }
 }
