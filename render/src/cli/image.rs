@@ -3,6 +3,7 @@
 use super::method::{Method, Reach};
 use super::options;
 use super::outputs::{self, Records};
+use super::reading::Reading;
 use super::view::{self, MAX_SIZE, parse_crop};
 use crate::chart::setting::{parse_tau, parse_time};
 use anyhow::{Context, Result};
@@ -88,12 +89,8 @@ pub struct Args {
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     crop: Option<Crop>,
-    /// Set a parameter of the scene file.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
-    define: Vec<(String, String)>,
-    /// Draw what is there where mesh or texture files are missing.
-    #[arg(long)]
-    skip_missing: bool,
+    #[command(flatten)]
+    pub(super) reading: Reading,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX, "; leave it out for the scene's own"))]
     max_depth: Option<u32>,
@@ -113,11 +110,6 @@ pub struct Args {
     /// irradiance blue.
     #[arg(long, value_name = "OUT.png")]
     pub(super) show_records: Option<PathBuf>,
-}
-
-pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
-    Ok((name.to_owned(), value.to_owned()))
 }
 
 /// Renders through caches; tells what it does with each material.
@@ -236,8 +228,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     options::check(args)?;
     outputs::check(args)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
-    let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
-    let (mut scene, warnings) = load::load(&args.scene, &options)?;
+    let (mut scene, warnings) = load::load(&args.scene, &args.reading.options()?)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }

@@ -7,6 +7,7 @@ mod method;
 mod options;
 mod outputs;
 mod probe;
+mod reading;
 mod view;
 
 use anyhow::Result;

@@ -1,6 +1,7 @@
 //! `render probe`.
 
-use super::image::{parse_define, with_progress};
+use super::image::with_progress;
+use super::reading::Reading;
 use super::view::{MAX_SIZE, resize};
 use crate::chart::setting::parse_tau;
 use anyhow::{Context, Result};
@@ -63,12 +64,8 @@ pub struct Args {
     /// Seed of the sample points.
     #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
-    /// Set a parameter of the scene file.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
-    define: Vec<(String, String)>,
-    /// Draw what is there where mesh or texture files are missing.
-    #[arg(long)]
-    skip_missing: bool,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
@@ -79,8 +76,7 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 /// Gathers, measures, writes.
 pub fn run(args: &Args) -> Result<ExitCode> {
     output::check_folder(&args.output)?;
-    let options = load::Options { defines: args.define.clone(), skip_missing: args.skip_missing };
-    let (mut scene, warnings) = load::load(&args.scene, &options)?;
+    let (mut scene, warnings) = load::load(&args.scene, &args.reading.options()?)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }

@@ -52,9 +52,19 @@ pub enum Environment {
     Map(EnvironmentMap),
 }
 
+/// Where the rows of a latitude-longitude image lie, j being counted from the top of h.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Rows {
+    /// At v = j/(h − 1), as in Mitsuba 3: the first and the last row are the poles.
+    #[default]
+    Poles,
+    /// At v = (j + ½)/h, as in most programs: every row is a band of its own.
+    Bands,
+}
+
 /// A latitude-longitude image. A unit direction d in the map's own frame (y up) has
-/// u = atan2(d.x, −d.z)/2π modulo 1 and v = acos(d.y)/π. As in Mitsuba 3, the centre of texel (i, j) of a w × h image is
-/// at u = (i + ½)/w and v = j/(h − 1): the first and the last row are the poles.
+/// u = atan2(d.x, −d.z)/2π modulo 1 and v = acos(d.y)/π. The centres of the i-th of w texels of a row are at
+/// u = (i + ½)/w, and `rows` says at which v.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentMap {
     /// Radiance before `scale`; `wrap`, `interpolation` and `to_uv` of the bitmap are not used.
@@ -63,4 +73,6 @@ pub struct EnvironmentMap {
     pub to_world: Mat3A,
     /// Factor on the radiance.
     pub scale: f32,
+    /// Where the rows lie.
+    pub rows: Rows,
 }

@@ -81,6 +81,7 @@ fn white_map() -> EnvironmentMap {
         },
         to_world: glam::Mat3A::IDENTITY,
         scale: 2.0,
+        rows: Rows::Poles,
     }
 }
 

@@ -261,7 +261,7 @@ fn the_poles_of_the_sky() {
         interpolation: Interpolation::Bilinear,
         to_uv: glam::Affine2::IDENTITY,
     };
-    let sky = EnvironmentMap { image, to_world: glam::Mat3A::IDENTITY, scale: 1.0 };
+    let sky = EnvironmentMap { image, to_world: glam::Mat3A::IDENTITY, scale: 1.0, rows: Rows::Poles };
     let turn = Affine3A::from_rotation_x(-0.5 * PI);
     let scene = Scene {
         shapes: vec![mesh(Mesh::rectangle(turn), 0, None)],

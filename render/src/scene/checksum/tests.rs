@@ -2,8 +2,8 @@
 
 use super::super::{
     AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Film, Filter,
-    FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Shape,
-    Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
+    FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Rows,
+    Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
 };
 use super::*;
 use glam::{Affine2, Affine3A, Mat3A, Vec2, Vec3, Vec3A};
@@ -81,7 +81,12 @@ fn scenes() -> Vec<Scene> {
             Light::Spot { position, direction: Vec3A::Z, intensity: Rgb::ONE, beam: 0.2, cutoff: 0.3 },
             Light::Directional { direction: Vec3A::Z, irradiance: Rgb::ONE },
         ],
-        environment: Some(Environment::Map(EnvironmentMap { image: rgb, to_world: Mat3A::IDENTITY, scale: 2.0 })),
+        environment: Some(Environment::Map(EnvironmentMap {
+            image: rgb,
+            to_world: Mat3A::IDENTITY,
+            scale: 2.0,
+            rows: Rows::Bands,
+        })),
         camera: Camera {
             film: Film {
                 width: 32,
@@ -134,7 +139,14 @@ fn variants<T: DeserializeOwned>() -> &'static [&'static str] {
 
 /// Variants without fields, which a scene's encoding writes as words.
 fn words() -> Vec<&'static str> {
-    [variants::<Distribution>(), variants::<WardVariant>(), variants::<Wrap>(), variants::<Interpolation>()].concat()
+    [
+        variants::<Distribution>(),
+        variants::<WardVariant>(),
+        variants::<Wrap>(),
+        variants::<Interpolation>(),
+        variants::<Rows>(),
+    ]
+    .concat()
 }
 
 /// Pointers to all values of an encoding that hold no others.
@@ -219,7 +231,7 @@ fn every_variant_is_there() {
             assert!(text.contains(&format!("\"{variant}\":")), "{variant}");
         }
     }
-    assert_eq!(words().len(), 9);
+    assert_eq!(words().len(), 11);
 }
 
 /// Numbers that move from one list to another do not cancel out.

@@ -137,9 +137,6 @@ impl<'a> Builder<'a> {
             self.warn(format_args!("{place}{more}: {what}"));
         }
         self.warnings.extend(left_out("textures are an even grey: no", &self.missing));
-        if self.scene.lights.is_empty() && self.scene.shapes.iter().all(|s| s.emitter.is_none()) {
-            self.warn("nothing in the file gives off light: the picture is black (glTF has no environment)");
-        }
         if !self.has_camera {
             self.warn("the file has no camera: the picture is taken from a corner, with everything in it");
             self.frame_everything();

@@ -16,7 +16,7 @@ mod value;
 mod xml;
 
 use super::error::{LoadError, brief};
-use super::{Options, left_out};
+use super::{Options, SkySource, left_out};
 use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
 use object::Object;
 use objects::{ObjectId, Objects};
@@ -32,7 +32,7 @@ pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), Load
     let mut warnings = std::mem::take(&mut document.warnings);
     warnings.extend(document.unused_defines.iter().map(|name| format!("-D {name}: the scene has no such parameter")));
     let objects = Objects::new(document)?;
-    let mut builder = Builder::new(&objects, options.skip_missing);
+    let mut builder = Builder::new(&objects, options);
     builder.scene()?;
     warnings.append(&mut builder.warnings);
     warnings.extend(left_out("shapes are left out: no", &builder.missing_meshes));
@@ -54,13 +54,15 @@ struct Builder<'a> {
     default_materials: HashMap<bool, MaterialId>,
     groups: HashMap<ObjectId, u32>,
     skip_missing: bool,
+    /// The sky from outside, which the file must not have then.
+    sky: Option<&'a SkySource>,
     /// Files of shapes that are left out, and of textures.
     missing_meshes: Vec<String>,
     missing_textures: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(objects: &'a Objects, skip_missing: bool) -> Self {
+    fn new(objects: &'a Objects, options: &'a Options) -> Self {
         Self {
             objects,
             scene: Scene::default(),
@@ -69,7 +71,8 @@ impl<'a> Builder<'a> {
             textures: HashMap::new(),
             default_materials: HashMap::new(),
             groups: HashMap::new(),
-            skip_missing,
+            skip_missing: options.skip_missing,
+            sky: options.environment.as_ref().map(|sky| &sky.source),
             missing_meshes: Vec::new(),
             missing_textures: Vec::new(),
         }

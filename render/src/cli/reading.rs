@@ -1,0 +1,81 @@
+//! How scenes are read: options of every command that reads one.
+
+use anyhow::{Result, ensure};
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use fitter::command::number::number;
+use render::scene::load::{Options, Sky, SkySource};
+use std::ffi::OsString;
+use std::path::Path;
+
+/// Options of reading.
+#[derive(Debug, clap::Args)]
+pub struct Reading {
+    /// Set a parameter of a Mitsuba scene.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
+    define: Vec<(String, String)>,
+    /// Draw what is there where mesh or texture files are missing.
+    #[arg(long)]
+    skip_missing: bool,
+    /// Light from infinity for a scene without a sky: radiance R,G,B, or a latitude-longitude picture (EXR, HDR; PNG and
+    /// JPEG as sRGB).
+    ///
+    /// A picture lies as Blender's world does after the export to glTF, y up: its top is +y, its middle +x, and the
+    /// middle of its right half +z.
+    #[arg(long, value_name = "FILE|R,G,B", value_parser = OsStringValueParser::new().try_map(parse_sky))]
+    env: Option<SkySource>,
+    /// Factor on the radiance of --env [default: 1].
+    #[arg(long, value_name = "FACTOR", requires = "env", value_parser = number(0.0..=f32::MAX, "a number ≥ 0"))]
+    env_scale: Option<f32>,
+    /// Turn the picture of --env about the vertical axis, counter-clockwise as seen from above [default: 0].
+    #[arg(long, value_name = "DEGREES", requires = "env", allow_negative_numbers = true,
+        value_parser = number(-36000.0..=36000.0f32, "degrees from -36000 to 36000"))]
+    env_turn: Option<f32>,
+}
+
+impl Reading {
+    /// As the loader takes them.
+    ///
+    /// # Errors
+    /// Options that do not go together.
+    pub fn options(&self) -> Result<Options> {
+        ensure!(
+            self.env_turn.is_none() || !matches!(self.env, Some(SkySource::Color(_))),
+            "--env-turn needs a picture as --env: a colour is the same on all sides"
+        );
+        let sky = |source: &SkySource| Sky {
+            source: source.clone(),
+            scale: self.env_scale.unwrap_or(1.0),
+            turn: self.env_turn.unwrap_or(0.0).to_radians(),
+        };
+        Ok(Options {
+            defines: self.define.clone(),
+            skip_missing: self.skip_missing,
+            environment: self.env.as_ref().map(sky),
+        })
+    }
+
+    /// Files that are read beside the scene.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.env.iter().filter_map(|source| match source {
+            SkySource::Picture(path) => Some(path.as_path()),
+            SkySource::Color(_) => None,
+        })
+    }
+}
+
+fn parse_define(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    Ok((name.to_owned(), value.to_owned()))
+}
+
+/// Three numbers are a colour; what is no number is the name of a file.
+fn parse_sky(text: OsString) -> Result<SkySource, String> {
+    let numbers: Option<Vec<f32>> =
+        text.to_str().and_then(|text| text.split(',').map(|n| n.trim().parse().ok()).collect());
+    match numbers.as_deref() {
+        None if text.is_empty() => Err("expected a file, or R,G,B".into()),
+        None => Ok(SkySource::Picture(text.into())),
+        Some(&[r, g, b]) if [r, g, b].iter().all(|c| c.is_finite() && *c >= 0.0) => Ok(SkySource::Color([r, g, b])),
+        Some(_) => Err("expected a file, or R,G,B: three finite numbers ≥ 0".into()),
+    }
+}
