@@ -32,7 +32,7 @@ const PNG_SECONDS: f64 = 1e-7;
 /// Arguments of `render image`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scene: Mitsuba XML or glTF.
+    /// Scene: Mitsuba XML or glTF; or a model (OBJ, PLY, STL), for a quick look.
     pub(super) scene: PathBuf,
     /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
     #[arg(short, long, value_name = "OUT", required = true)]

@@ -41,7 +41,7 @@ Writes into DIR, all on the projected disk of the hemisphere, in the record's fr
   reflected-difference.png  the relative difference in false colours: blue 0, green 25 %, red 100 %
   error.csv, error.svg      RMSE/mean over all directions against the number of EAS, both estimators")]
 pub struct Args {
-    /// Scene: Mitsuba XML or glTF.
+    /// Scene: Mitsuba XML or glTF; or a model (OBJ, PLY, STL), for a quick look.
     scene: PathBuf,
     /// Pixel of the whole film, from the top left: the record is made at the very point its middle shows.
     #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]

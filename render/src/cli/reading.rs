@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use fitter::command::number::number;
-use render::scene::load::{Options, Sky, SkySource};
+use render::scene::load::{LightUnits, Options, Sky, SkySource};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -30,6 +30,40 @@ pub struct Reading {
     #[arg(long, value_name = "DEGREES", requires = "env", allow_negative_numbers = true,
         value_parser = number(-36000.0..=36000.0f32, "degrees from -36000 to 36000"))]
     env_turn: Option<f32>,
+    /// In which units the lamps of a glTF file are [default: standard, unless those of a file by Blender are round numbers
+    /// in another one].
+    #[arg(long, value_enum)]
+    light_units: Option<Units>,
+    /// The camera that takes the picture: the name of the camera or of its node, the id of a Mitsuba sensor, or a number
+    /// counted from 0 [default: the first].
+    #[arg(long, value_name = "NAME|INDEX")]
+    camera: Option<String>,
+    /// The scene of a glTF file: its name, or a number counted from 0 [default: the one that the file names].
+    #[arg(long = "scene", id = "scene_of_file", value_name = "NAME|INDEX")]
+    scene: Option<String>,
+}
+
+/// The lighting modes of Blender's exporter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Units {
+    /// Candela and lux, at 683 lm/W.
+    #[value(alias = "spec")]
+    Standard,
+    /// W/sr and W/m².
+    #[value(alias = "compat")]
+    Unitless,
+    /// The numbers typed in Blender: W, and W/m² of suns.
+    Raw,
+}
+
+impl From<Units> for LightUnits {
+    fn from(units: Units) -> Self {
+        match units {
+            Units::Standard => Self::Standard,
+            Units::Unitless => Self::Unitless,
+            Units::Raw => Self::Raw,
+        }
+    }
 }
 
 impl Reading {
@@ -51,6 +85,9 @@ impl Reading {
             defines: self.define.clone(),
             skip_missing: self.skip_missing,
             environment: self.env.as_ref().map(sky),
+            light_units: self.light_units.map(Into::into),
+            camera: self.camera.clone(),
+            scene: self.scene.clone(),
         })
     }
 

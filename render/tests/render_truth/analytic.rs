@@ -147,6 +147,7 @@ fn lights_without_extent() {
             intensity: Rgb::splat(3.0),
             beam: 0.1,
             cutoff: 0.2,
+            falloff: Falloff::Linear,
         },
     ];
     let scene = Scene { shapes: vec![floor], materials: vec![diffuse(0.5)], lights, ..Scene::default() };

@@ -234,8 +234,14 @@ fn lights_on_the_surface_itself() {
     let at = Vec3A::new(0.25, 0.25, 0.0);
     let ray = Ray::new(at + Vec3A::Z, Vec3A::NEG_Z);
     let point = Light::Point { position: at, intensity: Rgb::ONE };
-    let spot =
-        Light::Spot { position: at, direction: Vec3A::NEG_Z, intensity: Rgb::splat(1e3), beam: 0.1, cutoff: 0.2 };
+    let spot = Light::Spot {
+        position: at,
+        direction: Vec3A::NEG_Z,
+        intensity: Rgb::splat(1e3),
+        beam: 0.1,
+        cutoff: 0.2,
+        falloff: Falloff::Linear,
+    };
     let sun = Light::Directional { direction: Vec3A::NEG_Z, irradiance: Rgb::splat(PI) };
     let beside = mesh(Mesh::rectangle(Affine3A::from_translation(Vec3::X * 2.0)), 0, Some(5.0));
     // Two triangles, one of them without area.

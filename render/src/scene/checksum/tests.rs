@@ -1,7 +1,7 @@
 //! Each field of a scene, changed one at a time.
 
 use super::super::{
-    AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Film, Filter,
+    AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Falloff, Film, Filter,
     FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Rows,
     Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
 };
@@ -62,6 +62,8 @@ fn scenes() -> Vec<Scene> {
     let sphere = Sphere { center: Vec3A::Y, radius: 2.0, rotation: Mat3A::IDENTITY, inward: false };
     let shape = |geometry, emitter| Shape { geometry, material: id(3), emitter };
     let position = Vec3A::new(1.0, 2.0, 3.0);
+    let spot =
+        |falloff| Light::Spot { position, direction: Vec3A::Z, intensity: Rgb::ONE, beam: 0.2, cutoff: 0.3, falloff };
     let one = Scene {
         shapes: vec![
             shape(Geometry::Mesh(mesh.clone()), Some(AreaEmitter { radiance: c(5.0) })),
@@ -78,7 +80,9 @@ fn scenes() -> Vec<Scene> {
         ],
         lights: vec![
             Light::Point { position, intensity: Rgb::ONE },
-            Light::Spot { position, direction: Vec3A::Z, intensity: Rgb::ONE, beam: 0.2, cutoff: 0.3 },
+            spot(Falloff::Linear),
+            spot(Falloff::Cosine),
+            spot(Falloff::Smooth),
             Light::Directional { direction: Vec3A::Z, irradiance: Rgb::ONE },
         ],
         environment: Some(Environment::Map(EnvironmentMap {
@@ -145,6 +149,7 @@ fn words() -> Vec<&'static str> {
         variants::<Wrap>(),
         variants::<Interpolation>(),
         variants::<Rows>(),
+        variants::<Falloff>(),
     ]
     .concat()
 }
@@ -231,7 +236,7 @@ fn every_variant_is_there() {
             assert!(text.contains(&format!("\"{variant}\":")), "{variant}");
         }
     }
-    assert_eq!(words().len(), 11);
+    assert_eq!(words().len(), 14);
 }
 
 /// Numbers that move from one list to another do not cancel out.

@@ -23,10 +23,6 @@ impl Scene {
     }
 }
 
-/// What to do about a dark scene of Mitsuba.
-pub const MITSUBA: &str = "nothing in the scene gives off light: the picture is black; give it an emitter, or a sky \
-    with --env";
-
 /// What glTF cannot carry, and what to do about it.
 pub const GLTF: &str = "nothing in the file gives off light: the picture is black; glTF has neither a world nor area \
     lamps, and exporters drop them (Blender's drops point, spot and sun lamps too unless \"Punctual Lights\" is ticked): \

@@ -1,20 +1,23 @@
 //! glTF 2.0, `.gltf` and `.glb`: meshes, metallic-roughness materials, punctual lights, the camera.
 //!
-//! Units: emissive values become radiance as they are, which is what Blender's exporter writes; photometric units of
-//! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
+//! Units: emissive values become radiance as they are, which is what Blender's exporter writes; those of punctual lights
+//! are the matter of [`LightUnits`].
 
 mod camera;
 mod container;
 mod data;
 mod document;
+mod lamps;
 mod material;
 mod morph;
+mod scenes;
 mod sides;
 mod uri;
 
+use super::choose::choose;
 use super::error::{FileError, LoadError, brief};
-use super::left_out;
 use super::mesh::{Finish, Mirrored, finish};
+use super::{Loaded, Options, left_out};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
 use data::Data;
 use document::SUPPORTED;
@@ -22,6 +25,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 use gltf::mesh::Mode;
 use gltf::scene::Transform;
 use gltf::{Document, Node, Primitive, Semantic};
+pub use lamps::LightUnits;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -33,25 +37,28 @@ const MAX_DEPTH: usize = 256;
 /// A tree of more nodes is refused, so that nodes shared by many parents cannot grow without end.
 const MAX_NODES: usize = 1 << 20;
 
-/// Loads a glTF file. Returns the scene and warnings, each one line.
+/// Loads a glTF file.
 ///
 /// # Errors
 /// The first thing that makes the file unreadable or the picture wrong.
-pub fn load(path: &Path, skip_missing: bool) -> Result<(Scene, Vec<String>), LoadError> {
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
     let bytes = super::error::read_file(path, MAX_FILE)?;
     // The library indexes without checks in places; what it relies on is checked before, and this is the net below.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let (text, blob) = container::open(&bytes, path)?;
-        let (document, animations) = document::parse(&text, path)?;
+        let (document, animations) = document::parse(&scenes::with_nodes(text), path)?;
         let data = Data::new(path, &document, blob)?;
-        let mut builder = Builder::new(&data, &document, skip_missing);
-        builder.document(&document, animations)?;
-        Ok((builder.scene, builder.warnings))
+        let mut builder = Builder::new(&data, &document, options);
+        let (cameras, camera) = builder.document(&document, animations, options)?;
+        Ok(Loaded { scene: builder.scene, warnings: builder.warnings, cameras, camera })
     }));
     result
         .unwrap_or_else(|_| Err(FileError::new(path, "damaged: the glTF library failed on it")))
         .map_err(LoadError::File)
 }
+
+/// The names of all cameras, and which one takes the picture.
+type Cameras = (Vec<Vec<String>>, Option<usize>);
 
 /// A mesh with the weights of its morph targets.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -73,7 +80,10 @@ struct Builder<'a> {
     materials: BTreeMap<Option<usize>, material::Made>,
     /// Placements of every mesh.
     placements: BTreeMap<Posed, Vec<DAffine3>>,
-    has_camera: bool,
+    cameras: Vec<camera::Placed<'a>>,
+    /// Whether Blender wrote the file.
+    blender: bool,
+    units: LightUnits,
     nodes: usize,
     skip_missing: bool,
     /// Files of textures that are missing.
@@ -81,7 +91,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(data: &'a Data<'a>, document: &Document, skip_missing: bool) -> Self {
+    fn new(data: &'a Data<'a>, document: &Document, options: &Options) -> Self {
         let mut builder = Self {
             warnings: Vec::new(),
             notes: BTreeMap::new(),
@@ -90,9 +100,11 @@ impl<'a> Builder<'a> {
             textures: Default::default(),
             materials: BTreeMap::new(),
             placements: BTreeMap::new(),
-            has_camera: false,
+            cameras: Vec::new(),
+            blender: document.as_json().asset.generator.as_ref().is_some_and(|g| g.contains("Blender I/O")),
+            units: LightUnits::Standard,
             nodes: 0,
-            skip_missing,
+            skip_missing: options.skip_missing,
             missing: Vec::new(),
         };
         let unknown: BTreeSet<&str> = document.extensions_used().filter(|e| !SUPPORTED.contains(e)).collect();
@@ -109,8 +121,19 @@ impl<'a> Builder<'a> {
         self.notes.entry(what).or_insert_with(|| (place.to_string(), 0)).1 += 1;
     }
 
-    fn document(&mut self, document: &Document, animations: usize) -> Result<(), FileError> {
-        let roots: Vec<Node> = match document.default_scene().or_else(|| document.scenes().next()) {
+    fn document(&mut self, document: &'a Document, animations: usize, options: &Options) -> Result<Cameras, FileError> {
+        let (units, guessed) = LightUnits::of(document, self.blender);
+        self.units = options.light_units.unwrap_or(units);
+        let chosen = match &options.scene {
+            Some(wanted) => {
+                let names: Vec<Vec<&str>> = document.scenes().map(|s| s.name().into_iter().collect()).collect();
+                let index = choose("scene", wanted, &names);
+                let index = index.map_err(|what| self.data.error(format_args!("--scene: {what}")))?;
+                document.scenes().nth(index)
+            }
+            None => document.default_scene().or_else(|| document.scenes().next()),
+        };
+        let roots: Vec<Node> = match chosen {
             Some(scene) => scene.nodes().collect(),
             // A file without a scene is a library: everything in it is drawn.
             None => {
@@ -119,7 +142,9 @@ impl<'a> Builder<'a> {
             }
         };
         if roots.is_empty() {
-            return Err(self.data.error("the file has no scene"));
+            return Err(self
+                .data
+                .error("the file has no scene, or an empty one: export the objects that the picture shows"));
         }
         for node in roots {
             self.node(&node, DAffine3::IDENTITY, 0)?;
@@ -137,15 +162,16 @@ impl<'a> Builder<'a> {
             self.warn(format_args!("{place}{more}: {what}"));
         }
         self.warnings.extend(left_out("textures are an even grey: no", &self.missing));
-        if !self.has_camera {
-            self.warn("the file has no camera: the picture is taken from a corner, with everything in it");
-            self.frame_everything();
+        let given = options.light_units.is_some();
+        if given && self.scene.lights.is_empty() {
+            self.warn("--light-units: the file has no lamps");
         }
-        Ok(())
+        self.judge_lamps(guessed && !given, given);
+        self.take_picture(options.camera.as_deref())
     }
 
     /// Collects the meshes of a node and those below it, and takes its light and camera.
-    fn node(&mut self, node: &Node, parent: DAffine3, depth: usize) -> Result<(), FileError> {
+    fn node(&mut self, node: &Node<'a>, parent: DAffine3, depth: usize) -> Result<(), FileError> {
         self.nodes += 1;
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
             return Err(self.data.error(format_args!("node {}: the node tree is endless", node.index())));
@@ -173,9 +199,7 @@ impl<'a> Builder<'a> {
         if let Some(light) = node.light() {
             self.light(&light, to_world)?;
         }
-        if let Some(camera) = node.camera() {
-            self.camera(&camera, to_world)?;
-        }
+        self.camera(node, to_world);
         node.children().try_for_each(|child| self.node(&child, to_world, depth + 1))
     }
 

@@ -6,7 +6,8 @@ use super::texture::{Transfer, rgb_texels};
 use crate::scene::load::error::LoadError;
 use crate::scene::load::similarity::similarity;
 use crate::scene::{
-    AreaEmitter, Bitmap, ColorTexture, Environment, EnvironmentMap, Interpolation, Light, Rgb, Rows, Texels, Wrap,
+    AreaEmitter, Bitmap, ColorTexture, Environment, EnvironmentMap, Falloff, Interpolation, Light, Rgb, Rows, Texels,
+    Wrap,
 };
 use glam::DAffine3;
 
@@ -71,6 +72,7 @@ impl Builder<'_> {
             intensity,
             beam: beam.to_radians() as f32,
             cutoff: cutoff.to_radians() as f32,
+            falloff: Falloff::Linear,
         });
         Ok(())
     }
