@@ -1,6 +1,6 @@
 //! `render chart`.
 
-use super::image::parse_define;
+use super::reading::Reading;
 use super::view::MAX_SIZE;
 use crate::chart::method::{Engine, METHODS, Method, Size, find};
 use crate::chart::plan::{Plan, Reference};
@@ -11,7 +11,6 @@ use fitter::command::number::{number, whole};
 use render::integrator::cached::TOLERANCE;
 use render::integrator::cached::policy::Allowed;
 use render::record::harmonics::MAX_ORDER;
-use render::scene::load::Options;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -77,12 +76,8 @@ pub struct Args {
     /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
     #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
     width: Option<u32>,
-    /// Set a parameter of the scene files.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
-    define: Vec<(String, String)>,
-    /// Draw what is there where mesh or texture files are missing.
-    #[arg(long)]
-    skip_missing: bool,
+    #[command(flatten)]
+    reading: Reading,
     /// Folder of fitted tables; what is missing is fitted and kept there [default: tables].
     #[arg(long, value_name = "DIR")]
     tables: Option<PathBuf>,
@@ -172,7 +167,7 @@ fn plan(args: Args) -> Result<Plan> {
         spp: args.spp.unwrap_or(64),
         stability,
         width: args.width.or(stability.then_some(64)),
-        load: Options { defines: args.define, skip_missing: args.skip_missing, ..Options::default() },
+        load: args.reading.options()?,
         tables: args.tables.unwrap_or("tables".into()),
         seed: args.seed,
         indirect_only: args.indirect_only,

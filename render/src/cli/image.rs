@@ -3,6 +3,7 @@
 use super::method::{Method, Reach};
 use super::options;
 use super::outputs::{self, Records};
+use super::reading::Reading;
 use super::view::{self, MAX_SIZE, parse_crop};
 use crate::chart::setting::{parse_tau, parse_time};
 use anyhow::{Context, Result};
@@ -28,13 +29,10 @@ use std::time::{Duration, Instant};
 const EXR_SECONDS: f64 = 1.6e-6;
 const PNG_SECONDS: f64 = 1e-7;
 
-/// Frames per second where nothing says otherwise: Blender's default.
-const FPS: f64 = 24.0;
-
 /// Arguments of `render image`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scene: Mitsuba XML or glTF.
+    /// Scene: Mitsuba XML or glTF; or a model (OBJ, PLY, STL), for a quick look.
     pub(super) scene: PathBuf,
     /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
     #[arg(short, long, value_name = "OUT", required = true)]
@@ -91,21 +89,8 @@ pub struct Args {
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     crop: Option<Crop>,
-    /// Set a parameter of the scene file.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
-    define: Vec<(String, String)>,
-    /// Draw what is there where mesh or texture files are missing.
-    #[arg(long)]
-    skip_missing: bool,
-    /// Draw a frame of a glTF file's animations; frame 0 is at their start.
-    #[arg(long, value_name = "N", conflicts_with = "time_of_animation", value_parser = number(0.0..=1e9f64, "a number ≥ 0"))]
-    frame: Option<f64>,
-    /// Frames per second of --frame [default: 24, as in Blender].
-    #[arg(long, value_name = "N", requires = "frame", value_parser = number(1e-3..=1e6f64, "a number > 0"))]
-    fps: Option<f64>,
-    /// Draw a moment of a glTF file's animations.
-    #[arg(long, value_name = "SECONDS", value_parser = number(0.0..=1e9f32, "a number ≥ 0"))]
-    time_of_animation: Option<f32>,
+    #[command(flatten)]
+    pub(super) reading: Reading,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX, "; leave it out for the scene's own"))]
     max_depth: Option<u32>,
@@ -125,11 +110,6 @@ pub struct Args {
     /// irradiance blue.
     #[arg(long, value_name = "OUT.png")]
     pub(super) show_records: Option<PathBuf>,
-}
-
-pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
-    Ok((name.to_owned(), value.to_owned()))
 }
 
 /// Renders through caches; tells what it does with each material.
@@ -248,12 +228,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     options::check(args)?;
     outputs::check(args)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
-    let options = load::Options {
-        defines: args.define.clone(),
-        skip_missing: args.skip_missing,
-        animation_time: animation_time(args),
-    };
-    let (mut scene, warnings) = load::load(&args.scene, &options)?;
+    let (mut scene, warnings) = load::load(&args.scene, &args.reading.options()?)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }
@@ -289,11 +264,6 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     outputs::write(args, &world, &picture, records.as_ref(), &mut stats, start)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Seconds from the start of the animations; keys are stored in the same precision.
-fn animation_time(args: &Args) -> Option<f32> {
-    args.frame.map(|frame| (frame / args.fps.unwrap_or(FPS)) as f32).or(args.time_of_animation)
 }
 
 /// Said where so many paths were dropped that a picture may show it.

@@ -3,10 +3,12 @@
 mod chart;
 mod compare;
 mod image;
+mod info;
 mod method;
 mod options;
 mod outputs;
 mod probe;
+mod reading;
 mod view;
 
 use anyhow::Result;
@@ -27,6 +29,8 @@ struct Cli {
 enum Command {
     /// Render a scene.
     Image(image::Args),
+    /// List what a scene holds: cameras, lamps, meshes, materials, textures, and what is drawn differently.
+    Info(info::Args),
     /// Look into the record of equivalent area lights at a pixel: pictures, tree, errors.
     Probe(probe::Args),
     /// Measure how far a picture is from its reference.
@@ -44,6 +48,7 @@ pub fn run() -> ExitCode {
     };
     let result: Result<ExitCode> = match cli.command {
         Command::Image(args) => image::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::Probe(args) => probe::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Chart(args) => chart::run(args),

@@ -17,7 +17,7 @@ use std::time::Instant;
 /// # Errors
 /// The first such place.
 pub(super) fn check(args: &Args) -> Result<()> {
-    let mut outputs = Outputs::beside([args.scene.as_path()]);
+    let mut outputs = Outputs::beside([args.scene.as_path()].into_iter().chain(args.reading.files()));
     for path in &args.output {
         outputs.file_of(path, &["exr", "png"])?;
     }

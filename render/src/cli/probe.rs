@@ -1,6 +1,7 @@
 //! `render probe`.
 
-use super::image::{parse_define, with_progress};
+use super::image::with_progress;
+use super::reading::Reading;
 use super::view::{MAX_SIZE, resize};
 use crate::chart::setting::parse_tau;
 use anyhow::{Context, Result};
@@ -40,7 +41,7 @@ Writes into DIR, all on the projected disk of the hemisphere, in the record's fr
   reflected-difference.png  the relative difference in false colours: blue 0, green 25 %, red 100 %
   error.csv, error.svg      RMSE/mean over all directions against the number of EAS, both estimators")]
 pub struct Args {
-    /// Scene: Mitsuba XML or glTF.
+    /// Scene: Mitsuba XML or glTF; or a model (OBJ, PLY, STL), for a quick look.
     scene: PathBuf,
     /// Pixel of the whole film, from the top left: the record is made at the very point its middle shows.
     #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
@@ -63,12 +64,8 @@ pub struct Args {
     /// Seed of the sample points.
     #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX, ""))]
     seed: u64,
-    /// Set a parameter of the scene file.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
-    define: Vec<(String, String)>,
-    /// Draw what is there where mesh or texture files are missing.
-    #[arg(long)]
-    skip_missing: bool,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
@@ -79,9 +76,7 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 /// Gathers, measures, writes.
 pub fn run(args: &Args) -> Result<ExitCode> {
     output::check_folder(&args.output)?;
-    let options =
-        load::Options { defines: args.define.clone(), skip_missing: args.skip_missing, ..load::Options::default() };
-    let (mut scene, warnings) = load::load(&args.scene, &options)?;
+    let (mut scene, warnings) = load::load(&args.scene, &args.reading.options()?)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }

@@ -1,7 +1,7 @@
 //! Image-based light from infinity, chosen in proportion to its brightness.
 
 use crate::math::{atan2, sin_cos_turn};
-use crate::scene::{EnvironmentMap, Rgb};
+use crate::scene::{EnvironmentMap, Rgb, Rows};
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};
 
@@ -24,7 +24,11 @@ impl EnvironmentMap {
     #[inline(always)]
     fn radiance_at(&self, uv: Vec2) -> Rgb {
         let (w, h) = (self.image.width as usize, self.image.height as usize);
-        let p = uv * Vec2::new(w as f32, (h - 1) as f32) - Vec2::new(0.5, 0.0);
+        let row = match self.rows {
+            Rows::Poles => uv.y * (h - 1) as f32,
+            Rows::Bands => (uv.y * h as f32 - 0.5).clamp(0.0, (h - 1) as f32),
+        };
+        let p = Vec2::new(uv.x * w as f32 - 0.5, row);
         let f = p - p.floor();
         let (x0, y0) = (p.x.floor() as i32, p.y as usize);
         let x = [x0, x0 + 1].map(|x| {
@@ -101,7 +105,7 @@ impl Cdf {
     }
 }
 
-/// Chooses a cell (a texel across, from row to row down) by its mean brightness, that of the interpolated image so that
+/// Chooses a cell (a texel across, and down a band or what lies between two rows) by its mean brightness, that of the interpolated image so that
 /// no light is out of reach, times the solid angle; then a point of the cell.
 #[derive(Clone, Debug)]
 pub(super) struct MapSampler {
@@ -120,8 +124,16 @@ impl MapSampler {
         let across = |x: usize, y: usize| {
             0.125 * (brightness((x + w - 1) % w, y) + brightness((x + 1) % w, y)) + 0.75 * brightness(x, y)
         };
-        let cell = |x: usize, y: usize| 0.5 * (across(x, y) + across(x, (y + 1).min(h - 1)));
-        let n = (h - 1).max(1);
+        let cell = |x: usize, y: usize| match map.rows {
+            Rows::Poles => 0.5 * (across(x, y) + across(x, (y + 1).min(h - 1))),
+            Rows::Bands => {
+                0.125 * (across(x, y.saturating_sub(1)) + across(x, (y + 1).min(h - 1))) + 0.75 * across(x, y)
+            }
+        };
+        let n = match map.rows {
+            Rows::Poles => (h - 1).max(1),
+            Rows::Bands => h,
+        };
         let (columns, sums): (Vec<_>, Vec<_>) = (0..n).map(|y| Cdf::new((0..w).map(move |x| cell(x, y)))).unzip();
         let sine = |y: usize| (core::f64::consts::PI * (y as f64 + 0.5) / n as f64).sin();
         let rows = Cdf::new(sums.iter().enumerate().map(|(y, s)| s * sine(y))).0;
@@ -165,7 +177,7 @@ mod tests {
     use crate::scene::{Bitmap, Interpolation, Texels, Wrap};
     use glam::{Affine2, Mat3A};
 
-    fn map() -> EnvironmentMap {
+    fn map(rows: Rows) -> EnvironmentMap {
         let (w, h) = (16, 8);
         let texels = (0..w * h).map(|i| if i == 37 { 500.0 } else { (i % 7) as f32 }).collect();
         EnvironmentMap {
@@ -179,12 +191,17 @@ mod tests {
             },
             to_world: Mat3A::from_rotation_x(0.7),
             scale: 2.0,
+            rows,
         }
     }
 
     #[test]
     fn samples_have_the_density_they_state_and_integrate_the_map() {
-        let map = map();
+        [Rows::Poles, Rows::Bands].into_iter().for_each(agrees);
+    }
+
+    fn agrees(rows: Rows) {
+        let map = map(rows);
         let sampler = MapSampler::new(&map);
         let n = 1 << 17;
         let (mut estimate, mut plain, mut mass) = (0.0f64, 0.0f64, 0.0f64);
@@ -204,5 +221,18 @@ mod tests {
         let count = f64::from(n);
         assert!((mass / count - 1.0).abs() < 2e-3, "{}", mass / count);
         assert!((estimate / plain - 1.0).abs() < 2e-3, "{estimate} {plain}");
+    }
+    /// Bands: the value of a texel at its middle, and of the first and the last row as far as the poles.
+    #[test]
+    fn rows_are_bands_of_their_own() {
+        let map = EnvironmentMap { to_world: Mat3A::IDENTITY, scale: 1.0, ..map(Rows::Bands) };
+        for y in 0..8 {
+            let texel = map.image.texels.get(y * 16 + 8).x;
+            let uv = |v: f32| Vec2::new(8.5 / 16.0, v / 8.0);
+            assert!((map.radiance_at(uv(y as f32 + 0.5)).x - texel).abs() < 1e-3, "{y}");
+            if y == 0 || y == 7 {
+                assert!((map.radiance_at(uv(if y == 0 { 0.0 } else { 8.0 })).x - texel).abs() < 1e-3, "{y}");
+            }
+        }
     }
 }

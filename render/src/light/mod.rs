@@ -7,7 +7,7 @@ mod split;
 mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
-use crate::scene::{self, Environment, Geometry, Rgb, Scene, Texture};
+use crate::scene::{self, Environment, Falloff, Geometry, Rgb, Scene, Texture};
 use crate::world::Opacity;
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
@@ -79,7 +79,7 @@ impl FirstEmitter {
 enum Local {
     Surface(Surface),
     Point { position: Vec3A, intensity: Rgb },
-    Spot { position: Vec3A, direction: Vec3A, intensity: Rgb, beam: f32, cutoff: f32 },
+    Spot { position: Vec3A, direction: Vec3A, intensity: Rgb, beam: f32, cutoff: f32, falloff: Falloff },
 }
 
 /// All lights of a scene.
@@ -120,11 +120,11 @@ impl Lights {
                     bounds.push(LightBounds::at_point(position, 4.0 * PI * mean(intensity), Vec3A::Z, -1.0, 0.0));
                     local.push(Local::Point { position, intensity });
                 }
-                scene::Light::Spot { position, direction, intensity, beam, cutoff } => {
+                scene::Light::Spot { position, direction, intensity, beam, cutoff, falloff } => {
                     // The power is bounded as if the whole cone had the full intensity; the cone holds every direction.
                     let power = 2.0 * PI * (1.0 - cutoff.cos()) * mean(intensity);
                     bounds.push(LightBounds::at_point(position, power, direction, 1.0, cutoff.cos()));
-                    local.push(Local::Spot { position, direction, intensity, beam, cutoff });
+                    local.push(Local::Spot { position, direction, intensity, beam, cutoff, falloff });
                 }
             }
         }
@@ -205,10 +205,9 @@ impl Lights {
         let (position, intensity) = match &self.local[index] {
             Local::Surface(surface) => return surface.sample(textures, receiver.p, probability, u),
             Local::Point { position, intensity } => (*position, *intensity),
-            Local::Spot { position, direction, intensity, beam, cutoff } => {
+            Local::Spot { position, direction, intensity, beam, cutoff, falloff } => {
                 let angle = (receiver.p - position).angle_between(*direction);
-                let inside = ((cutoff - angle) / (cutoff - beam).max(1e-6)).clamp(0.0, 1.0);
-                (*position, *intensity * inside)
+                (*position, *intensity * falloff.share(angle, *beam, *cutoff))
             }
         };
         let to_light = position - receiver.p;

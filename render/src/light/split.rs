@@ -68,6 +68,7 @@ impl Lights {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Rows;
     use glam::{Affine2, Mat3A, Vec3A};
 
     #[test]
@@ -75,7 +76,8 @@ mod tests {
         let texels = Texels::Rgb((0..32).map(|i| if i == 13 { [100.0, 50.0, 0.0] } else { [0.5, 1.0, 0.2] }).collect());
         let (wrap, interpolation) = Default::default();
         let image = Bitmap { width: 8, height: 4, texels, wrap, interpolation, to_uv: Affine2::IDENTITY };
-        let whole = Environment::Map(EnvironmentMap { image, to_world: Mat3A::IDENTITY, scale: 2.0 });
+        let whole =
+            Environment::Map(EnvironmentMap { image, to_world: Mat3A::IDENTITY, scale: 2.0, rows: Rows::Poles });
         let (dim, rest) = whole.split();
         let rest = rest.unwrap();
         for i in 0..200 {

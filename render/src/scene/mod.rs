@@ -14,7 +14,7 @@ mod texture;
 mod validate;
 
 pub use camera::{Camera, Crop, Film, Filter, Projection};
-pub use light::{AreaEmitter, Environment, EnvironmentMap, Light};
+pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
 pub use texture::{Bitmap, ColorTexture, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};

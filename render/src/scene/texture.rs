@@ -109,6 +109,14 @@ impl Texels {
         self.len() == 0
     }
 
+    /// Memory that the texels take.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Rgb(t) => size_of_val(&t[..]),
+            Self::Gray(t) => size_of_val(&t[..]),
+        }
+    }
+
     /// Texel `i`.
     #[inline]
     pub fn get(&self, i: usize) -> Rgb {

@@ -81,6 +81,7 @@ fn white_map() -> EnvironmentMap {
         },
         to_world: glam::Mat3A::IDENTITY,
         scale: 2.0,
+        rows: Rows::Poles,
     }
 }
 
@@ -146,6 +147,7 @@ fn lights_without_extent() {
             intensity: Rgb::splat(3.0),
             beam: 0.1,
             cutoff: 0.2,
+            falloff: Falloff::Linear,
         },
     ];
     let scene = Scene { shapes: vec![floor], materials: vec![diffuse(0.5)], lights, ..Scene::default() };

@@ -234,8 +234,14 @@ fn lights_on_the_surface_itself() {
     let at = Vec3A::new(0.25, 0.25, 0.0);
     let ray = Ray::new(at + Vec3A::Z, Vec3A::NEG_Z);
     let point = Light::Point { position: at, intensity: Rgb::ONE };
-    let spot =
-        Light::Spot { position: at, direction: Vec3A::NEG_Z, intensity: Rgb::splat(1e3), beam: 0.1, cutoff: 0.2 };
+    let spot = Light::Spot {
+        position: at,
+        direction: Vec3A::NEG_Z,
+        intensity: Rgb::splat(1e3),
+        beam: 0.1,
+        cutoff: 0.2,
+        falloff: Falloff::Linear,
+    };
     let sun = Light::Directional { direction: Vec3A::NEG_Z, irradiance: Rgb::splat(PI) };
     let beside = mesh(Mesh::rectangle(Affine3A::from_translation(Vec3::X * 2.0)), 0, Some(5.0));
     // Two triangles, one of them without area.
@@ -261,7 +267,7 @@ fn the_poles_of_the_sky() {
         interpolation: Interpolation::Bilinear,
         to_uv: glam::Affine2::IDENTITY,
     };
-    let sky = EnvironmentMap { image, to_world: glam::Mat3A::IDENTITY, scale: 1.0 };
+    let sky = EnvironmentMap { image, to_world: glam::Mat3A::IDENTITY, scale: 1.0, rows: Rows::Poles };
     let turn = Affine3A::from_rotation_x(-0.5 * PI);
     let scene = Scene {
         shapes: vec![mesh(Mesh::rectangle(turn), 0, None)],

@@ -119,7 +119,7 @@ fn sky_glass_and_mirrors() {
         interpolation: Interpolation::Bilinear,
         to_uv: glam::Affine2::IDENTITY,
     };
-    let sky = EnvironmentMap { image, to_world: glam::Mat3A::from_rotation_y(1.0), scale: 1.5 };
+    let sky = EnvironmentMap { image, to_world: glam::Mat3A::from_rotation_y(1.0), scale: 1.5, rows: Rows::Poles };
     let glass = |alpha| Material::RoughDielectric {
         distribution: Distribution::Ggx,
         alpha_u: f(alpha),

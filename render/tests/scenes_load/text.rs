@@ -259,8 +259,8 @@ fn broken_text_names_the_line() {
     assert_eq!(e, "binary.xml: damaged UTF-16LE text");
     let e = Folder::new().load("gone.xml", &[]).unwrap_err();
     assert!(e.starts_with("gone.xml: cannot read: "), "{e}");
-    let e = Folder::new().with("scene.obj", "").load("scene.obj", &[]).unwrap_err();
-    assert!(e.contains("the extension must be xml, gltf or glb"), "{e}");
+    let e = Folder::new().with("scene.abc", "").load("scene.abc", &[]).unwrap_err();
+    assert!(e.contains("the extension must be xml (Mitsuba), gltf or glb"), "{e}");
 }
 
 #[test]

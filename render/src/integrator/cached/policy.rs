@@ -98,7 +98,7 @@ impl Policy {
                     Some(specular) if allowed != Allowed::Irradiance => {
                         let width = specular.lobe_width() as f32;
                         let traced = match allowed {
-                            Allowed::Auto => ((CACHED_WIDTH - width) / (CACHED_WIDTH - TRACED_WIDTH)).clamp(0.0, 1.0),
+                            Allowed::Auto => traced_share(width),
                             _ => 0.0,
                         };
                         if traced < 1.0 {
@@ -176,6 +176,27 @@ impl Policy {
     #[inline]
     pub fn treatment(&self, index: u32) -> Treatment {
         self.treatments[index as usize]
+    }
+}
+
+/// The share of path tracing of a lobe of this width, where EAS are used as they pay.
+fn traced_share(width: f32) -> f32 {
+    ((CACHED_WIDTH - width) / (CACHED_WIDTH - TRACED_WIDTH)).clamp(0.0, 1.0)
+}
+
+/// What [`Policy::new`] with [`Allowed::Auto`] does with a material, in words, without its table.
+pub fn outlook(material: &Material) -> String {
+    if let Material::Diffuse { .. } = material {
+        return "irradiance records".into();
+    }
+    let Some(specular) = specular(material) else {
+        return format!("path traced ({})", reason(material, Allowed::Auto));
+    };
+    let width = specular.lobe_width() as f32;
+    match traced_share(width) {
+        share if share >= 1.0 => format!("path traced (lobe {width:.3} rad is too sharp to cache)"),
+        share if share > 0.0 => format!("EAS records (lobe {width:.3} rad, {:.0} % traced)", 100.0 * share),
+        _ => format!("EAS records (lobe {width:.3} rad)"),
     }
 }
 

@@ -1,9 +1,9 @@
 //! Each field of a scene, changed one at a time.
 
 use super::super::{
-    AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Film, Filter,
-    FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Shape,
-    Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
+    AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Falloff, Film, Filter,
+    FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Rows,
+    Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
 };
 use super::*;
 use glam::{Affine2, Affine3A, Mat3A, Vec2, Vec3, Vec3A};
@@ -62,6 +62,8 @@ fn scenes() -> Vec<Scene> {
     let sphere = Sphere { center: Vec3A::Y, radius: 2.0, rotation: Mat3A::IDENTITY, inward: false };
     let shape = |geometry, emitter| Shape { geometry, material: id(3), emitter };
     let position = Vec3A::new(1.0, 2.0, 3.0);
+    let spot =
+        |falloff| Light::Spot { position, direction: Vec3A::Z, intensity: Rgb::ONE, beam: 0.2, cutoff: 0.3, falloff };
     let one = Scene {
         shapes: vec![
             shape(Geometry::Mesh(mesh.clone()), Some(AreaEmitter { radiance: c(5.0) })),
@@ -78,10 +80,17 @@ fn scenes() -> Vec<Scene> {
         ],
         lights: vec![
             Light::Point { position, intensity: Rgb::ONE },
-            Light::Spot { position, direction: Vec3A::Z, intensity: Rgb::ONE, beam: 0.2, cutoff: 0.3 },
+            spot(Falloff::Linear),
+            spot(Falloff::Cosine),
+            spot(Falloff::Smooth),
             Light::Directional { direction: Vec3A::Z, irradiance: Rgb::ONE },
         ],
-        environment: Some(Environment::Map(EnvironmentMap { image: rgb, to_world: Mat3A::IDENTITY, scale: 2.0 })),
+        environment: Some(Environment::Map(EnvironmentMap {
+            image: rgb,
+            to_world: Mat3A::IDENTITY,
+            scale: 2.0,
+            rows: Rows::Bands,
+        })),
         camera: Camera {
             film: Film {
                 width: 32,
@@ -134,7 +143,15 @@ fn variants<T: DeserializeOwned>() -> &'static [&'static str] {
 
 /// Variants without fields, which a scene's encoding writes as words.
 fn words() -> Vec<&'static str> {
-    [variants::<Distribution>(), variants::<WardVariant>(), variants::<Wrap>(), variants::<Interpolation>()].concat()
+    [
+        variants::<Distribution>(),
+        variants::<WardVariant>(),
+        variants::<Wrap>(),
+        variants::<Interpolation>(),
+        variants::<Rows>(),
+        variants::<Falloff>(),
+    ]
+    .concat()
 }
 
 /// Pointers to all values of an encoding that hold no others.
@@ -219,7 +236,7 @@ fn every_variant_is_there() {
             assert!(text.contains(&format!("\"{variant}\":")), "{variant}");
         }
     }
-    assert_eq!(words().len(), 9);
+    assert_eq!(words().len(), 14);
 }
 
 /// Numbers that move from one list to another do not cancel out.

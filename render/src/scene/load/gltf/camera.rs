@@ -1,25 +1,60 @@
-//! Cameras and punctual lights of glTF.
+//! Cameras of glTF.
 
-use super::Builder;
+use super::{Builder, Cameras};
+use crate::scene::load::choose::{choose, list};
 use crate::scene::load::error::FileError;
+use crate::scene::load::framing::{HEIGHT, frame_everything};
 use crate::scene::load::similarity::without_scale;
-use crate::scene::{self, Camera, Film, Geometry, Light, Rgb};
-use glam::{Affine3A, DAffine3, DMat3, Vec3, Vec3A};
+use crate::scene::{self, Camera, Film};
+use glam::{DAffine3, DMat3, Vec3};
 use gltf::camera::Projection;
-use gltf::khr_lights_punctual::{self as punctual, Kind};
 
-/// Rows of the picture, for which glTF has no field.
-const HEIGHT: u32 = 720;
-/// Blender's exporter multiplies radiometric by this to get photometric units, lm/W.
-const LUMENS_PER_WATT: f32 = 683.0;
+/// A camera of the file and where it stands.
+pub(super) struct Placed<'a> {
+    camera: gltf::Camera<'a>,
+    /// Name of the node.
+    node: Option<String>,
+    to_world: DAffine3,
+}
 
-impl Builder<'_> {
-    /// The first camera takes the picture.
-    pub(super) fn camera(&mut self, camera: &gltf::Camera, to_world: DAffine3) -> Result<(), FileError> {
-        if std::mem::replace(&mut self.has_camera, true) {
-            self.warn(format_args!("camera {}: only the first camera takes a picture", camera.index()));
-            return Ok(());
+impl<'a> Builder<'a> {
+    /// Keeps a camera until all are known.
+    pub(super) fn camera(&mut self, node: &gltf::Node<'a>, to_world: DAffine3) {
+        if let Some(camera) = node.camera() {
+            self.cameras.push(Placed { camera, node: node.name().map(Into::into), to_world });
         }
+    }
+
+    /// The camera that is asked for takes the picture, else the first; without any, one that sees everything.
+    pub(super) fn take_picture(&mut self, wanted: Option<&str>) -> Result<Cameras, FileError> {
+        let cameras = std::mem::take(&mut self.cameras);
+        let names = |placed: &'_ Placed<'_>| -> Vec<String> {
+            let mut own: Vec<String> =
+                placed.node.clone().into_iter().chain(placed.camera.name().map(Into::into)).collect();
+            own.dedup();
+            own
+        };
+        let names: Vec<Vec<String>> = cameras.iter().map(names).collect();
+        let chosen = match wanted {
+            Some(wanted) => {
+                choose("camera", wanted, &names).map_err(|what| self.data.error(format_args!("--camera: {what}")))?
+            }
+            None => 0,
+        };
+        if wanted.is_none() && cameras.len() > 1 {
+            self.warn(format_args!("only the first camera takes a picture; --camera chooses from {}", list(&names)));
+        }
+        match cameras.get(chosen) {
+            Some(Placed { camera, to_world, .. }) => self.set_camera(camera, *to_world)?,
+            None => {
+                self.warn("the file has no camera: the picture is taken from a corner, with everything in it");
+                self.scene.camera = frame_everything(&self.scene, Vec3::Y).unwrap_or_default();
+            }
+        }
+        Ok((names, (!cameras.is_empty()).then_some(chosen)))
+    }
+
+    fn set_camera(&mut self, camera: &gltf::Camera, to_world: DAffine3) -> Result<(), FileError> {
         let error = |what: String| self.data.error(format_args!("camera {}: {what}", camera.index()));
         // Scaling of a camera and of what it hangs on is ignored (glTF 3.10.2).
         let rotation = without_scale(to_world.matrix3).ok_or_else(|| error("its transform is singular".into()))?;
@@ -53,66 +88,6 @@ impl Builder<'_> {
             },
             ..Camera::default()
         };
-        Ok(())
-    }
-
-    /// A camera that sees the box around everything.
-    pub(super) fn frame_everything(&mut self) {
-        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let mut take = |shape: &scene::Shape, to_world: Affine3A| {
-            if let Geometry::Mesh(mesh) = &shape.geometry {
-                for &p in &mesh.positions {
-                    let p = to_world.transform_point3(p);
-                    (low, high) = (low.min(p), high.max(p));
-                }
-            }
-        };
-        self.scene.shapes.iter().for_each(|s| take(s, Affine3A::IDENTITY));
-        for instance in &self.scene.instances {
-            self.scene.groups[instance.group as usize].shapes.iter().for_each(|s| take(s, instance.to_world));
-        }
-        let radius = 0.5 * (high - low).length();
-        if !radius.is_finite() || radius == 0.0 {
-            return;
-        }
-        let center = 0.5 * (low + high);
-        let film = Film { width: HEIGHT * 16 / 9, height: HEIGHT, ..Camera::default().film };
-        let half_height = 0.36f32;
-        let back = Vec3::new(0.5, 0.4, 1.0).normalize();
-        let distance = radius / half_height.sin();
-        let left = Vec3::Y.cross(-back).normalize();
-        let rotation = glam::Mat3::from_cols(left, (-back).cross(left), -back);
-        self.scene.camera = Camera {
-            to_world: Affine3A::from_mat3_translation(rotation, center + distance * back),
-            projection: scene::Projection::Perspective { fov_x: 2.0 * (half_height.tan() * 16.0 / 9.0).atan() },
-            near: 1e-3 * radius,
-            far: 10.0 * distance,
-            film,
-            ..Camera::default()
-        };
-    }
-
-    pub(super) fn light(&mut self, light: &punctual::Light, to_world: DAffine3) -> Result<(), FileError> {
-        let strength = Rgb::from(light.color()) * light.intensity() / LUMENS_PER_WATT;
-        if !strength.is_finite() || strength.min_element() < 0.0 {
-            return Err(self.data.error(format_args!("light {}: colour and intensity must be ≥ 0", light.index())));
-        }
-        let position = to_world.translation.as_vec3a();
-        let direction = || -> Result<Vec3A, FileError> {
-            let z = (-to_world.matrix3.z_axis).try_normalize();
-            Ok(z.ok_or_else(|| self.data.error(format_args!("light {}: no direction", light.index())))?.as_vec3a())
-        };
-        let light = match light.kind() {
-            Kind::Point => Light::Point { position, intensity: strength },
-            Kind::Directional => Light::Directional { direction: direction()?, irradiance: strength },
-            Kind::Spot { inner_cone_angle: beam, outer_cone_angle: cutoff } => {
-                if !(0.0 <= beam && beam <= cutoff && cutoff <= core::f32::consts::PI) {
-                    return Err(self.data.error(format_args!("light {}: cones of {beam} and {cutoff}", light.index())));
-                }
-                Light::Spot { position, direction: direction()?, intensity: strength, beam, cutoff }
-            }
-        };
-        self.scene.lights.push(light);
         Ok(())
     }
 }

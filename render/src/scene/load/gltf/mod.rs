@@ -1,8 +1,8 @@
 //! glTF 2.0, `.gltf` and `.glb`: meshes, metallic-roughness materials, punctual lights, the camera; skins, morph targets
 //! and instances, as the nodes stand in the file or at a moment of its animations.
 //!
-//! Units: emissive values become radiance as they are, which is what Blender's exporter writes; photometric units of
-//! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
+//! Units: emissive values become radiance as they are, which is what Blender's exporter writes; those of punctual lights
+//! are the matter of [`LightUnits`].
 
 mod animation;
 mod camera;
@@ -11,17 +11,20 @@ mod data;
 mod document;
 mod instancing;
 mod keys;
+mod lamps;
 mod material;
 mod morph;
 mod placement;
 mod pose;
+mod scenes;
 mod sides;
 mod skin;
 mod uri;
 
+use super::choose::choose;
 use super::error::{FileError, LoadError, brief};
 use super::mesh::{Finish, Mirrored, finish};
-use super::{Options, left_out};
+use super::{Loaded, Options, left_out};
 use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
 use animation::Animations;
 use data::Data;
@@ -29,6 +32,7 @@ use document::SUPPORTED;
 use glam::{DAffine3, Vec2, Vec3};
 use gltf::mesh::Mode;
 use gltf::{Document, Node, Primitive, Semantic};
+pub use lamps::LightUnits;
 use placement::Posed;
 use pose::Pose;
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,18 +46,19 @@ const MAX_DEPTH: usize = 256;
 /// A tree of more nodes is refused, so that nodes shared by many parents cannot grow without end.
 const MAX_NODES: usize = 1 << 20;
 
-/// Loads a glTF file. Returns the scene and warnings, each one line.
+/// Loads a glTF file.
 ///
 /// # Errors
 /// The first thing that makes the file unreadable or the picture wrong.
-pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), LoadError> {
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
     let bytes = super::error::read_file(path, MAX_FILE)?;
     // The library indexes without checks in places; what it relies on is checked before, and this is the net below.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let (text, blob) = container::open(&bytes, path)?;
+        let text = scenes::with_nodes(text);
         let (document, animations) = document::parse(&text, path, options.skip_missing)?;
         let data = Data::new(path, &document, blob)?;
-        let mut builder = Builder::new(&data, &document, options.skip_missing);
+        let mut builder = Builder::new(&data, &document, options);
         match options.animation_time {
             Some(time) => builder.animate(&text, time)?,
             None if animations > 0 => {
@@ -61,13 +66,16 @@ pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), Load
             }
             None => {}
         }
-        builder.document(&document)?;
-        Ok((builder.scene, builder.warnings))
+        let (cameras, camera) = builder.document(&document, options)?;
+        Ok(Loaded { scene: builder.scene, warnings: builder.warnings, cameras, camera })
     }));
     result
         .unwrap_or_else(|_| Err(FileError::new(path, "damaged: the glTF library failed on it")))
         .map_err(LoadError::File)
 }
+
+/// The names of all cameras, and which one takes the picture.
+type Cameras = (Vec<Vec<String>>, Option<usize>);
 
 /// A scene in the making.
 struct Builder<'a> {
@@ -85,7 +93,10 @@ struct Builder<'a> {
     skins: BTreeMap<usize, Vec<DAffine3>>,
     /// Placements of every mesh.
     placements: BTreeMap<Posed, Vec<DAffine3>>,
-    has_camera: bool,
+    cameras: Vec<camera::Placed<'a>>,
+    /// Whether Blender wrote the file.
+    blender: bool,
+    units: LightUnits,
     nodes: usize,
     instances: usize,
     skip_missing: bool,
@@ -94,7 +105,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(data: &'a Data<'a>, document: &'a Document, skip_missing: bool) -> Self {
+    fn new(data: &'a Data<'a>, document: &'a Document, options: &Options) -> Self {
         let mut builder = Self {
             warnings: Vec::new(),
             notes: BTreeMap::new(),
@@ -106,10 +117,12 @@ impl<'a> Builder<'a> {
             pose: Pose::of_nodes(document),
             skins: BTreeMap::new(),
             placements: BTreeMap::new(),
-            has_camera: false,
+            cameras: Vec::new(),
+            blender: document.as_json().asset.generator.as_ref().is_some_and(|g| g.contains("Blender I/O")),
+            units: LightUnits::Standard,
             nodes: 0,
             instances: 0,
-            skip_missing,
+            skip_missing: options.skip_missing,
             missing: Vec::new(),
         };
         let unknown: BTreeSet<&str> = document.extensions_used().filter(|e| !SUPPORTED.contains(e)).collect();
@@ -137,8 +150,19 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn document(&mut self, document: &Document) -> Result<(), FileError> {
-        let roots: Vec<Node> = match document.default_scene().or_else(|| document.scenes().next()) {
+    fn document(&mut self, document: &'a Document, options: &Options) -> Result<Cameras, FileError> {
+        let (units, guessed) = LightUnits::of(document, self.blender);
+        self.units = options.light_units.unwrap_or(units);
+        let chosen = match &options.scene {
+            Some(wanted) => {
+                let names: Vec<Vec<&str>> = document.scenes().map(|s| s.name().into_iter().collect()).collect();
+                let index = choose("scene", wanted, &names);
+                let index = index.map_err(|what| self.data.error(format_args!("--scene: {what}")))?;
+                document.scenes().nth(index)
+            }
+            None => document.default_scene().or_else(|| document.scenes().next()),
+        };
+        let roots: Vec<Node> = match chosen {
             Some(scene) => scene.nodes().collect(),
             // A file without a scene is a library: everything in it is drawn.
             None => {
@@ -147,7 +171,9 @@ impl<'a> Builder<'a> {
             }
         };
         if roots.is_empty() {
-            return Err(self.data.error("the file has no scene"));
+            return Err(self
+                .data
+                .error("the file has no scene, or an empty one: export the objects that the picture shows"));
         }
         for node in roots {
             self.node(&node, DAffine3::IDENTITY, true, 0)?;
@@ -161,18 +187,16 @@ impl<'a> Builder<'a> {
             self.warn(format_args!("{place}{more}: {what}"));
         }
         self.warnings.extend(left_out("textures are an even grey: no", &self.missing));
-        if self.scene.lights.is_empty() && self.scene.shapes.iter().all(|s| s.emitter.is_none()) {
-            self.warn("nothing in the file gives off light: the picture is black (glTF has no environment)");
+        let given = options.light_units.is_some();
+        if given && self.scene.lights.is_empty() {
+            self.warn("--light-units: the file has no lamps");
         }
-        if !self.has_camera {
-            self.warn("the file has no camera: the picture is taken from a corner, with everything in it");
-            self.frame_everything();
-        }
-        Ok(())
+        self.judge_lamps(guessed && !given, given);
+        self.take_picture(options.camera.as_deref())
     }
 
     /// Collects the meshes of a node and those below it, and takes its light and camera.
-    fn node(&mut self, node: &Node, parent: DAffine3, visible: bool, depth: usize) -> Result<(), FileError> {
+    fn node(&mut self, node: &Node<'a>, parent: DAffine3, visible: bool, depth: usize) -> Result<(), FileError> {
         self.nodes += 1;
         if depth > MAX_DEPTH || self.nodes > MAX_NODES {
             return Err(self.data.error(format_args!("node {}: the node tree is endless", node.index())));
@@ -192,9 +216,7 @@ impl<'a> Builder<'a> {
         if let Some(light) = node.light().filter(|_| visible) {
             self.light(&light, to_world)?;
         }
-        if let Some(camera) = node.camera() {
-            self.camera(&camera, to_world)?;
-        }
+        self.camera(node, to_world);
         node.children().try_for_each(|child| self.node(&child, to_world, visible, depth + 1))
     }
 

@@ -5,7 +5,8 @@ pub mod obj;
 pub mod ply;
 mod polygon;
 pub mod serialized;
-mod text;
+pub mod stl;
+pub(super) mod text;
 
 use super::error::FileError;
 use crate::scene::Mesh;

@@ -1,11 +1,12 @@
-//! Wavefront OBJ: `v`, `vt`, `vn` and polygonal `f`; groups and materials are ignored, as the scene file assigns them.
+//! Wavefront OBJ: `v`, `vt`, `vn` and polygonal `f`; groups are ignored, and materials by those who take them from a
+//! scene file.
 //!
 //! Our own reader because errors must name the line, and because files hold what the format does not allow.
 
 use super::Parsed;
 use super::corners::Corners;
 use super::polygon::Splitter;
-use super::text::{Lines, integer, number, quote, skip_mark, words};
+use super::text::{Lines, argument, integer, number, quote, skip_mark, words};
 use crate::scene::{Mesh, load::error::FileError};
 use glam::{Vec2, Vec3};
 use std::path::Path;
@@ -19,6 +20,23 @@ use std::path::Path;
 /// # Errors
 /// Numbers and indices that are none, naming the line; a file of something else.
 pub fn parse(bytes: &[u8], path: &Path, keep_v: bool) -> Result<Parsed, FileError> {
+    parse_with(bytes, path, keep_v, &mut Materials::default())
+}
+
+/// What an OBJ file says of materials.
+#[derive(Debug, Default)]
+pub struct Materials {
+    /// Files that hold them, as named.
+    pub files: Vec<String>,
+    /// From which triangle on which material holds.
+    pub begins: Vec<(usize, String)>,
+}
+
+/// [`parse`], with the materials.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_with(bytes: &[u8], path: &Path, keep_v: bool, materials: &mut Materials) -> Result<Parsed, FileError> {
     let mut source = Source::default();
     let mut built = Builder::default();
     let mut ignored = Ignored::default();
@@ -42,6 +60,8 @@ pub fn parse(bytes: &[u8], path: &Path, keep_v: bool) -> Result<Parsed, FileErro
                 }
                 built.close_face();
             }
+            b"usemtl" => materials.begins.push((built.mesh.triangles.len(), argument(&line))),
+            b"mtllib" => materials.files.push(argument(&line)),
             other if ignored.count(other) => {}
             _ => {
                 is_obj.get_or_insert(false);
@@ -175,7 +195,7 @@ impl Ignored {
     /// Whether the word is of the format; elements that would be seen are counted.
     fn count(&mut self, word: &[u8]) -> bool {
         const ELEMENTS: [&str; 5] = ["l", "p", "curv", "curv2", "surf"];
-        const OTHERS: [&[u8]; 6] = [b"g", b"o", b"s", b"usemtl", b"mtllib", b"vp"];
+        const OTHERS: [&[u8]; 4] = [b"g", b"o", b"s", b"vp"];
         let Some(name) = ELEMENTS.iter().find(|name| name.as_bytes() == word) else { return OTHERS.contains(&word) };
         match self.elements.iter_mut().find(|(known, _)| known == name) {
             Some((_, count)) => *count += 1,

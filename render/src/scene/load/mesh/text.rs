@@ -24,6 +24,13 @@ pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
+/// What follows the first word of a line; names may hold blanks.
+pub fn argument(line: &[u8]) -> String {
+    let line = line.trim_ascii();
+    let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+    String::from_utf8_lossy(line[end..].trim_ascii()).into_owned()
+}
+
 /// A word as a message shows it: short, one line, whatever it holds.
 pub fn quote(word: &[u8]) -> String {
     const LONGEST: usize = 40;

@@ -6,7 +6,8 @@ use super::texture::{Transfer, rgb_texels};
 use crate::scene::load::error::LoadError;
 use crate::scene::load::similarity::similarity;
 use crate::scene::{
-    AreaEmitter, Bitmap, ColorTexture, Environment, EnvironmentMap, Interpolation, Light, Rgb, Texels, Wrap,
+    AreaEmitter, Bitmap, ColorTexture, Environment, EnvironmentMap, Falloff, Interpolation, Light, Rgb, Rows, Texels,
+    Wrap,
 };
 use glam::DAffine3;
 
@@ -43,6 +44,11 @@ impl Builder<'_> {
     }
 
     fn set_environment(&mut self, object: &Object, environment: Environment) -> Result<(), LoadError> {
+        if let Some(sky) = self.sky {
+            let own = object.text("filename")?.map(|name| format!(" ({name})")).unwrap_or_default();
+            let what = format!("the scene has this sky of its own{own}, so that --env {sky} cannot be used");
+            return Err(object.error(what));
+        }
         if self.scene.environment.replace(environment).is_some() {
             return Err(object.error("a scene has one environment, and this is the second"));
         }
@@ -66,6 +72,7 @@ impl Builder<'_> {
             intensity,
             beam: beam.to_radians() as f32,
             cutoff: cutoff.to_radians() as f32,
+            falloff: Falloff::Linear,
         });
         Ok(())
     }
@@ -96,7 +103,7 @@ impl Builder<'_> {
             to_uv: glam::Affine2::IDENTITY,
         };
         let to_world = rotation.as_mat3().into();
-        Ok(Environment::Map(EnvironmentMap { image, to_world, scale: scale as f32 }))
+        Ok(Environment::Map(EnvironmentMap { image, to_world, scale: scale as f32, rows: Rows::Poles }))
     }
 
     /// The emitter of a shape.

@@ -15,31 +15,32 @@ mod upgrade;
 mod value;
 mod xml;
 
+use super::choose::{choose, list};
 use super::error::{LoadError, brief};
-use super::{Options, left_out};
+use super::{Loaded, Options, SkySource, left_out};
 use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
 use object::Object;
 use objects::{ObjectId, Objects};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Loads a scene file. Returns the scene and warnings, each one line.
+/// Loads a scene file.
 ///
 /// # Errors
 /// The first thing that makes the scene unreadable or the picture wrong.
-pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), LoadError> {
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
     let mut document = xml::read(path, &options.defines)?;
     let mut warnings = std::mem::take(&mut document.warnings);
     warnings.extend(document.unused_defines.iter().map(|name| format!("-D {name}: the scene has no such parameter")));
     let objects = Objects::new(document)?;
-    let mut builder = Builder::new(&objects, options.skip_missing);
-    builder.scene()?;
+    let mut builder = Builder::new(&objects, options);
+    let (cameras, camera) = builder.scene()?;
     warnings.append(&mut builder.warnings);
     warnings.extend(left_out("shapes are left out: no", &builder.missing_meshes));
     warnings.extend(left_out("textures are an even grey: no", &builder.missing_textures));
     let scene = builder.scene;
     warnings.extend(objects.unused());
-    Ok((scene, warnings))
+    Ok(Loaded { scene, warnings, cameras, camera: Some(camera) })
 }
 
 /// A scene in the making.
@@ -54,13 +55,17 @@ struct Builder<'a> {
     default_materials: HashMap<bool, MaterialId>,
     groups: HashMap<ObjectId, u32>,
     skip_missing: bool,
+    /// The sky from outside, which the file must not have then.
+    sky: Option<&'a SkySource>,
+    /// The sensor that is asked for.
+    camera: Option<&'a str>,
     /// Files of shapes that are left out, and of textures.
     missing_meshes: Vec<String>,
     missing_textures: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(objects: &'a Objects, skip_missing: bool) -> Self {
+    fn new(objects: &'a Objects, options: &'a Options) -> Self {
         Self {
             objects,
             scene: Scene::default(),
@@ -69,7 +74,9 @@ impl<'a> Builder<'a> {
             textures: HashMap::new(),
             default_materials: HashMap::new(),
             groups: HashMap::new(),
-            skip_missing,
+            skip_missing: options.skip_missing,
+            sky: options.environment.as_ref().map(|sky| &sky.source),
+            camera: options.camera.as_deref(),
             missing_meshes: Vec::new(),
             missing_textures: Vec::new(),
         }
@@ -79,17 +86,21 @@ impl<'a> Builder<'a> {
         self.warnings.push(format!("{}: {}", object.place, brief(what)));
     }
 
-    /// Everything at the top level.
-    fn scene(&mut self) -> Result<(), LoadError> {
+    /// Everything at the top level. Returns the names of all sensors, and which one takes the picture.
+    fn scene(&mut self) -> Result<(Vec<Vec<String>>, usize), LoadError> {
         let objects = self.objects;
         let root = &objects[objects.root()];
-        let mut sensors = root.children_of(objects, "sensor");
-        match sensors.next() {
-            Some((sensor, _)) => self.sensor(&objects[sensor])?,
-            None => return Err(root.error("the scene has no sensor")),
-        }
-        if let Some((second, _)) = sensors.next() {
-            self.warn(&objects[second], "only the first sensor takes a picture");
+        let sensors: Vec<&Object> = root.children_of(objects, "sensor").map(|(id, _)| &objects[id]).collect();
+        let names: Vec<Vec<&str>> = sensors.iter().map(|s| s.id.as_deref().into_iter().collect()).collect();
+        let chosen = match self.camera {
+            Some(wanted) => choose("sensor", wanted, &names).map_err(|what| root.error(format!("--camera: {what}")))?,
+            None => 0,
+        };
+        let sensor = sensors.get(chosen).ok_or_else(|| root.error("the scene has no sensor"))?;
+        self.sensor(sensor)?;
+        if let (None, Some(second)) = (self.camera, sensors.get(1)) {
+            let what = format!("only the first sensor takes a picture; --camera chooses from {}", list(&names));
+            self.warn(second, what);
         }
         for (integrator, _) in root.children_of(objects, "integrator") {
             self.integrator(&objects[integrator])?;
@@ -102,7 +113,9 @@ impl<'a> Builder<'a> {
             root.children_of(objects, class).for_each(drop);
         }
         let shapes: Vec<ObjectId> = root.children_of(objects, "shape").map(|(id, _)| id).collect();
-        self.shapes(&shapes)
+        self.shapes(&shapes)?;
+        let names = names.into_iter().map(|own| own.into_iter().map(String::from).collect()).collect();
+        Ok((names, chosen))
     }
 
     fn integrator(&mut self, object: &Object) -> Result<(), LoadError> {
