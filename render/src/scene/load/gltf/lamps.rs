@@ -1,6 +1,7 @@
 //! Punctual lights of glTF, and the units that exporters write them in.
 
 use super::Builder;
+use crate::scene::load::Options;
 use crate::scene::load::error::FileError;
 use crate::scene::load::framing::{bounds, corners, outline};
 use crate::scene::{Falloff, Light, Rgb};
@@ -103,9 +104,9 @@ impl Builder<'_> {
 
     /// Warns where the numbers of the lamps are clearly of other units than those they are read in: where the brightest
     /// leaves what is nearest to it dark, or even what is farthest from it far too bright.
-    pub(super) fn judge_lamps(&mut self, guessed: bool, given: bool) {
-        let name = self.units.name();
-        if guessed {
+    pub(super) fn judge_lamps(&mut self, guessed: bool, options: &Options) {
+        let (name, given) = (self.units.name(), options.light_units.is_some());
+        if guessed && !given {
             let what = format!(
                 "the strengths of its lamps are round numbers in Blender's lighting mode \"{name}\", and not in \
                  \"Standard\": they are read so; --light-units overrides it"
@@ -132,7 +133,7 @@ impl Builder<'_> {
             scene.lights.iter().zip(squares).map(|(light, d2)| strength(light) / d2).fold(0.0, f32::max)
         };
         let (least, most) = (most(&farthest), most(&nearest));
-        let lamps_alone = scene.environment.is_none() && scene.shapes.iter().all(|s| s.emitter.is_none());
+        let lamps_alone = options.environment.is_none() && scene.shapes.iter().all(|s| s.emitter.is_none());
         let what = match () {
             () if most > 0.0 && most < DARK && lamps_alone => {
                 format!("at most about {most:.1e} W/m²: the picture is far too dark")
@@ -148,8 +149,9 @@ impl Builder<'_> {
     }
 }
 
-/// Irradiance in W·m⁻² below which a lit surface looks black, and above which no exposure meant for 1 shows it.
-const DARK: f32 = 0.05;
+/// Irradiance in W·m⁻² below which a lit surface looks black, and above which no exposure meant for 1 shows it; far from
+/// what lamps are meant to give, as a floor of two triangles is nearer to its lamp than its vertices are.
+const DARK: f32 = 0.01;
 const BRIGHT: f32 = 300.0;
 
 fn strength(light: &Light) -> f32 {
@@ -183,7 +185,7 @@ mod tests {
 
     #[test]
     fn numbers_that_people_type() {
-        for typed in [0.0, 1.0, 0.1f32, 100.0, 1250.0, 0.075, 1e6, 3.14] {
+        for typed in [0.0, 1.0, 0.1f32, 100.0, 1250.0, 0.075, 1e6, 3.15] {
             assert!(is_round(typed.into()), "{typed}");
             assert!(typed == 0.0 || !is_round(f64::from(typed * 683.0 * 0.25 / PI)), "{typed}");
         }

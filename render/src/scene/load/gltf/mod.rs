@@ -187,11 +187,10 @@ impl<'a> Builder<'a> {
             self.warn(format_args!("{place}{more}: {what}"));
         }
         self.warnings.extend(left_out("textures are an even grey: no", &self.missing));
-        let given = options.light_units.is_some();
-        if given && self.scene.lights.is_empty() {
+        if options.light_units.is_some() && self.scene.lights.is_empty() {
             self.warn("--light-units: the file has no lamps");
         }
-        self.judge_lamps(guessed && !given, given);
+        self.judge_lamps(guessed, options);
         self.take_picture(options.camera.as_deref())
     }
 
