@@ -12,9 +12,6 @@ use std::path::Path;
 /// Larger buffers are refused.
 const MAX_FILE: u64 = 1 << 33;
 
-/// Longer accessors without data of their own are refused.
-const MAX_ZEROS: usize = 1 << 26;
-
 /// An element without data: the largest has 16 numbers of 4 bytes.
 const ZEROS: [u8; 64] = [0; 64];
 
@@ -86,7 +83,8 @@ impl<'a> Data<'a> {
                 self.blocks(&view, place, &name("its elements"))?.collect()
             }
             None if accessor.sparse().is_none() => return Err(self.error(name("an accessor without data"))),
-            None if count == 0 || count > MAX_ZEROS => {
+            // A file of sparse elements has the whole ones that they belong to, each of some bytes.
+            None if count == 0 || count > self.buffers.iter().map(Vec::len).sum() => {
                 return Err(self.error(name(&format!("{count} elements, all zero but for some"))));
             }
             None => vec![&ZEROS[..size]; count],
