@@ -133,10 +133,11 @@ fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
     std::fs::read(path).map_err(io)
 }
 
-/// Joins the lines of a message into one; a name in it may hold any character.
+/// Joins the lines of a message into one; a name in it may hold any characters, and thousands of them.
 fn one_line(text: &str) -> String {
+    const MOST: usize = 300;
     let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|w| !w.is_empty());
-    words.collect::<Vec<_>>().join(" ")
+    words.collect::<Vec<_>>().join(" ").chars().take(MOST).collect()
 }
 
 /// The number of pixels, if it is accepted.
@@ -167,5 +168,6 @@ mod tests {
     #[test]
     fn a_message_is_one_line_of_plain_text() {
         assert_eq!(super::one_line("channel a\u{1}\u{1b}[31m:\r\n\tbroken"), "channel a [31m: broken");
+        assert_eq!(super::one_line(&"é".repeat(70_000)).chars().count(), 300);
     }
 }

@@ -46,6 +46,8 @@ pub fn load(path: &Path, options: &Options) -> Result<(Scene, Vec<String>), Load
         _ => return Err(FileError::new(path, "not a scene: the extension must be xml, gltf or glb").into()),
     };
     scene.validate().map_err(|e| FileError::new(path, e))?;
+    // Names in them may hold anything; a terminal obeys control characters.
+    let warnings = warnings.into_iter().map(|w| w.replace(char::is_control, " ")).collect();
     Ok((scene, warnings))
 }
 
