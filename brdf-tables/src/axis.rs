@@ -100,7 +100,7 @@ impl Axes {
 
     /// Whether the counts and the exponent make a usable grid of at most `limit` nodes.
     pub fn is_valid(&self, limit: usize) -> bool {
-        let nodes = u64::from(self.theta) * u64::from(self.phi) * u64::from(self.omega);
+        let nodes = (u64::from(self.theta) * u64::from(self.phi)).saturating_mul(self.omega.into());
         self.theta >= 2
             && self.omega >= 2
             && self.phi >= 1
@@ -115,6 +115,12 @@ impl Axes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_grid_beyond_64_bits_is_none() {
+        let axes = Axes { theta: 1 << 31, phi: 1 << 31, omega: 4, sharpness: 1.0, stretch: 1.0 };
+        assert!(!axes.is_valid(1 << 20));
+    }
 
     #[test]
     fn nodes_and_places_are_inverse() {

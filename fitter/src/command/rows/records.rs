@@ -43,12 +43,16 @@ pub(super) struct Records<R> {
 }
 
 impl<R: Read> Records<R> {
-    /// Skips a byte order mark.
+    /// Skips byte order marks.
     pub fn new(mut input: R) -> anyhow::Result<Self> {
         const MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
         let mut start = Vec::new();
-        input.by_ref().take(MARK.len() as u64).read_to_end(&mut start).context("standard input")?;
-        if start == MARK {
+        // All of them: the parser takes one that arrives alone for the end of the input.
+        loop {
+            input.by_ref().take(MARK.len() as u64).read_to_end(&mut start).context("standard input")?;
+            if start != MARK {
+                break;
+            }
             start.clear();
         }
         Ok(Self {

@@ -133,9 +133,11 @@ fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
     std::fs::read(path).map_err(io)
 }
 
-/// Joins the lines of a library's message into one.
+/// Joins the lines of a message into one; a name in it may hold any characters, and thousands of them.
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    const MOST: usize = 300;
+    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|w| !w.is_empty());
+    words.collect::<Vec<_>>().join(" ").chars().take(MOST).collect()
 }
 
 /// The number of pixels, if it is accepted.
@@ -159,4 +161,13 @@ fn filled<T: Copy>(pixels: usize, value: T) -> Result<Vec<T>, String> {
     all.try_reserve_exact(pixels).map_err(|_| format!("not enough memory for {pixels} pixels"))?;
     all.resize(pixels, value);
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_message_is_one_line_of_plain_text() {
+        assert_eq!(super::one_line("channel a\u{1}\u{1b}[31m:\r\n\tbroken"), "channel a [31m: broken");
+        assert_eq!(super::one_line(&"é".repeat(70_000)).chars().count(), 300);
+    }
 }

@@ -106,7 +106,9 @@ pub fn open(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
         warnings.push(format!("{}: {}", path.display(), dark::GLTF));
     }
     scene.validate().map_err(|e| FileError::new(path, e))?;
-    loaded.warnings = warnings::condense(loaded.warnings);
+    // Names in them may hold anything; a terminal obeys control characters.
+    let plain = loaded.warnings.into_iter().map(|w| w.replace(char::is_control, " ")).collect();
+    loaded.warnings = warnings::condense(plain);
     Ok(loaded)
 }
 

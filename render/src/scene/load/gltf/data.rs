@@ -12,11 +12,11 @@ use std::path::Path;
 /// Larger buffers are refused.
 const MAX_FILE: u64 = 1 << 33;
 
-/// Longer accessors without data of their own are refused.
-const MAX_ZEROS: usize = 1 << 26;
-
 /// An element without data: the largest has 16 numbers of 4 bytes.
 const ZEROS: [u8; 64] = [0; 64];
+
+/// Accessors without data that any file may have.
+const FREE_ZEROS: usize = 1 << 16;
 
 /// A glTF file with its buffers.
 pub struct Data<'a> {
@@ -85,7 +85,8 @@ impl<'a> Data<'a> {
                 let place = (accessor.offset(), view.stride().unwrap_or(size), size, count);
                 self.blocks(&view, place, &name("its elements"))?.collect()
             }
-            None if count == 0 || count > MAX_ZEROS => {
+            // A file of few data has no use for many elements that are zero: no more than it has bytes.
+            None if count == 0 || count > self.buffers.iter().map(Vec::len).sum::<usize>().max(FREE_ZEROS) => {
                 return Err(self.error(name(&format!("{count} elements without data"))));
             }
             None => vec![&ZEROS[..size]; count],

@@ -16,6 +16,8 @@ const MAX_DEPTH: usize = 64;
 const MAX_INCLUDES: usize = 10_000;
 /// Longest attribute value after substitution.
 const MAX_VALUE: usize = 1 << 20;
+/// Bytes of all values that parameters are put into, so that a few long ones cannot be used without end.
+const MAX_SUBSTITUTED: usize = 1 << 26;
 
 /// An XML element after substitution.
 pub struct Element {
@@ -80,6 +82,8 @@ pub fn read(path: &Path, defines: &[(String, String)]) -> Result<Document, LoadE
         folders: Folders(vec![folder]),
         stack: Vec::new(),
         includes: 0,
+        bytes: 0,
+        substituted: 0,
         version: (3, 0),
         warnings: Vec::new(),
     };
@@ -104,6 +108,10 @@ struct Reader {
     /// Files being read, canonical: the outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
+    /// Of text, in all files.
+    bytes: usize,
+    /// Bytes of values that parameters were put into.
+    substituted: usize,
     /// Of the outermost file.
     version: Version,
     warnings: Vec<String>,
@@ -112,6 +120,11 @@ struct Reader {
 impl Reader {
     fn file(&mut self, path: &Path) -> Result<Element, LoadError> {
         let text = text::decode(&read_file(path, MAX_FILE)?, path)?;
+        self.bytes += text.len();
+        if self.bytes as u64 > MAX_FILE {
+            let what = format!("with it the scene is longer than the {MAX_FILE} bytes accepted");
+            return Err(FileError::new(path, what).into());
+        }
         let xml = roxmltree::Document::parse(&text).map_err(|e| FileError::at(path, e.pos().row as usize, e))?;
         let canonical = path.canonicalize().map_err(|e| FileError::new(path, e))?;
         let root = xml.root_element();
@@ -242,6 +255,12 @@ impl Reader {
             }
         }
         out += rest;
+        if rest.len() < value.len() {
+            self.substituted += out.len();
+        }
+        if self.substituted > MAX_SUBSTITUTED {
+            return Err(format!("the values of all parameters grow beyond {MAX_SUBSTITUTED} bytes"));
+        }
         Ok(out)
     }
 }
