@@ -11,6 +11,7 @@ mod glossy;
 mod metal;
 mod resolve;
 mod rough_dielectric;
+mod sheet;
 #[cfg(test)]
 mod tests;
 
@@ -25,6 +26,7 @@ use glam::{Vec2, Vec3A};
 pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
+pub(crate) use sheet::Sheet;
 
 /// A quantity of the diffuse part of a material beside that of the rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,6 +121,7 @@ pub(crate) enum Model<'a> {
     Dielectric(Dielectric),
     ThinDielectric(ThinDielectric),
     RoughDielectric(RoughDielectric),
+    Sheet(Sheet),
     SmoothCoat(SmoothCoat),
     RoughCoat(RoughCoat<'a>),
     MetallicRoughness(MetallicRoughness),
@@ -185,13 +188,20 @@ impl Bsdf<'_> {
     /// Whether light is reflected, never transmitted.
     #[inline]
     pub fn only_reflects(&self) -> bool {
-        !matches!(self.model, Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_))
+        !matches!(
+            self.model,
+            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) | Model::Sheet(_)
+        )
     }
 
     /// Whether nothing but perfectly specular parts scatters: sampling lights is of no use.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        matches!(self.model, Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_))
+        match &self.model {
+            Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_) => true,
+            Model::Sheet(m) => m.facets.is_none(),
+            _ => false,
+        }
     }
 
     /// f_r and density for light from the world direction `wi`.
@@ -215,8 +225,10 @@ impl Bsdf<'_> {
         {
             return Value::default();
         }
-        if let Model::RoughDielectric(m) = &self.model {
-            return m.value(wo, wi);
+        match &self.model {
+            Model::RoughDielectric(m) => return m.value(wo, wi),
+            Model::Sheet(m) => return m.value(wo, wi),
+            _ => {}
         }
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return Value::default();
@@ -250,6 +262,7 @@ impl Bsdf<'_> {
             Model::Dielectric(m) => m.sample(wo, choice),
             Model::ThinDielectric(m) => m.sample(wo, choice),
             Model::RoughDielectric(m) => m.sample(wo, choice, u),
+            Model::Sheet(m) => m.sample(wo, choice, u),
             Model::SmoothCoat(m) => m.sample(wo, choice, u),
             Model::RoughCoat(m) => m.sample(wo, choice, u),
             Model::MetallicRoughness(m) => m.sample(wo, choice, u),
@@ -285,7 +298,7 @@ impl Bsdf<'_> {
             Model::Glossy(m) => (m.diffuse + m.specular).min(Rgb::ONE),
             Model::Mirror(m) => m.reflectance(self.wo.z.abs()),
             Model::RoughMetal(m) => m.reflectance(self.wo.z.abs()),
-            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) => Rgb::ONE,
+            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) | Model::Sheet(_) => Rgb::ONE,
             Model::SmoothCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::RoughCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::MetallicRoughness(m) => m.base_color,

@@ -2,13 +2,16 @@
 
 use super::{
     Bsdf, Dielectric, Facets, Glossy, Lobe, MetallicRoughness, Mirror, Model, RoughCoat, RoughDielectric, RoughMetal,
-    Schlick, SmoothCoat, ThinDielectric,
+    Schlick, Sheet, SmoothCoat, ThinDielectric,
 };
 use crate::frame::Frame;
 use crate::scene::{Bitmap, Material, MaterialId, Texture, TextureId, WardVariant};
 use crate::world::{Interaction, World};
 use brdf_tables::brdf::{self, Phong, Ward};
 use glam::{Vec2, Vec3A};
+
+/// α below which glass is smooth.
+const SMOOTH_GLASS: f32 = 1e-3;
 
 impl World {
     /// Scattering at a point of a surface.
@@ -52,7 +55,7 @@ impl World {
                     let wo = frame.to_local(at.wo);
                     let unbent = unbent.map(|n| frame.to_local(n));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
-                    let model = if visible { self.model(id, material, at.uv, wo) } else { Model::Absorb };
+                    let model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
                     return Bsdf { model, frame, wo, unbent, material: id };
                 }
             }
@@ -60,8 +63,8 @@ impl World {
     }
 
     #[inline(always)]
-    fn model(&self, id: MaterialId, material: &Material, uv: Vec2, wo: Vec3A) -> Model<'_> {
-        let textures = &self.scene.textures[..];
+    fn model(&self, id: MaterialId, material: &Material, at: &Interaction, wo: Vec3A) -> Model<'_> {
+        let (textures, uv) = (&self.scene.textures[..], at.uv);
         match material {
             Material::Diffuse { reflectance } => Model::Diffuse(reflectance.eval(textures, uv)),
             Material::Phong { diffuse, specular, exponent } => {
@@ -109,6 +112,24 @@ impl World {
                     reflectance: reflectance.eval(textures, uv),
                     transmittance: transmittance.eval(textures, uv),
                 })
+            }
+            Material::Glass { base_color, crossings, roughness, eta, sheet, absorption } => {
+                let tint = base_color.eval(textures, uv).max(Vec3A::ZERO);
+                let tint = if *crossings == 1 { tint } else { tint.powf(1.0 / *crossings as f32) };
+                let alpha = roughness.eval(textures, uv).clamp(0.0, 1.0).powi(2);
+                let facets =
+                    (alpha >= SMOOTH_GLASS).then(|| Facets::new(crate::scene::Distribution::Ggx, Vec2::splat(alpha)));
+                let eta = *eta;
+                if *sheet {
+                    return Model::Sheet(Sheet { facets, eta, transmittance: tint });
+                }
+                let behind = at.normal.dot(at.wo) < 0.0;
+                let left = if behind { (-*absorption * at.distance).exp() } else { Vec3A::ONE };
+                let (reflectance, transmittance) = (left, left * tint);
+                match facets {
+                    None => Model::Dielectric(Dielectric { eta, reflectance, transmittance }),
+                    Some(facets) => Model::RoughDielectric(RoughDielectric { facets, eta, reflectance, transmittance }),
+                }
             }
             Material::Plastic { eta, diffuse, specular, nonlinear } => Model::SmoothCoat(SmoothCoat {
                 eta: *eta,

@@ -115,6 +115,26 @@ pub enum Material {
         /// Factor on the transmission.
         transmittance: ColorTexture,
     },
+    /// Glass of glTF (KHR_materials_transmission, KHR_materials_volume): GGX facets of α = roughness² that reflect
+    /// white light by Fresnel's equations and transmit the rest tinted; smooth where α is below 10⁻³.
+    ///
+    /// A boundary refracts as [`Material::RoughDielectric`] does. A sheet has no thickness: the rest passes straight
+    /// on, spread as the reflection is, and no light is reflected twice inside.
+    Glass {
+        /// What light is multiplied by on the way through `crossings` surfaces.
+        base_color: ColorTexture,
+        /// Surfaces among which the tint is shared evenly: 1, or 2 for the way in and out (each has √base_color).
+        crossings: u32,
+        /// Perceptual roughness in [0, 1].
+        roughness: FloatTexture,
+        /// Index inside over outside.
+        eta: f32,
+        /// Whether it is a sheet rather than a boundary.
+        sheet: bool,
+        /// Absorption coefficient σ per unit of length behind a boundary. Light that meets the boundary from behind
+        /// has come through glass: e^(−σ d) of it is left after the distance d (Beer's law).
+        absorption: Rgb,
+    },
     /// Diffuse base under a smooth dielectric coat.
     Plastic {
         /// Index of the coat over outside, > 1.

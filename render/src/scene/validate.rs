@@ -60,7 +60,9 @@ impl Material {
             }
         };
         match self {
-            Self::Diffuse { reflectance: c } | Self::MetallicRoughness { base_color: c, .. } => color(c),
+            Self::Diffuse { reflectance: c }
+            | Self::Glass { base_color: c, .. }
+            | Self::MetallicRoughness { base_color: c, .. } => color(c),
             Self::Conductor { eta, k, specular } | Self::RoughConductor { eta, k, specular, .. } => {
                 [eta, k, specular].into_iter().for_each(color);
             }
@@ -83,7 +85,10 @@ impl Material {
             }
         };
         match self {
-            Self::Phong { exponent: a, .. } | Self::Mask { opacity: a, .. } | Self::Blend { weight: a, .. } => float(a),
+            Self::Phong { exponent: a, .. }
+            | Self::Glass { roughness: a, .. }
+            | Self::Mask { opacity: a, .. }
+            | Self::Blend { weight: a, .. } => float(a),
             Self::Ward { alpha_u: a, alpha_v: b, .. }
             | Self::RoughConductor { alpha_u: a, alpha_v: b, .. }
             | Self::RoughDielectric { alpha_u: a, alpha_v: b, .. }

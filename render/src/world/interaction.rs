@@ -28,6 +28,8 @@ pub struct Interaction {
     pub uv: Vec2,
     /// Unit direction to where the ray came from.
     pub wo: Vec3A,
+    /// Length of the way to there.
+    pub distance: f32,
     /// How the surface scatters.
     pub material: MaterialId,
     /// Number of the emitter, for [`crate::light::Lights`], if the surface emits.
@@ -102,7 +104,8 @@ impl World {
                 on_sphere(&shapes[shape as usize], &sphere, &local, hit, None)
             }
         };
-        Interaction { wo: -ray.direction.normalize(), ..inner.placed(&instance.to_world) }
+        let length = ray.direction.length();
+        Interaction { wo: -ray.direction / length, distance: hit.t * length, ..inner.placed(&instance.to_world) }
     }
 
     #[inline(always)]
@@ -138,6 +141,7 @@ impl World {
             dpdv,
             uv: mesh.uv(triangle.index, hit.b1, hit.b2),
             wo: -ray.direction,
+            distance: hit.t,
             material: shape.material,
             emitter,
             offset: triangle.extent * OFFSET,
@@ -175,6 +179,7 @@ fn on_sphere(shape: &Shape, sphere: &Sphere, ray: &Ray, hit: &Hit, emitter: Opti
         dpdv,
         uv: sphere.uv(outward),
         wo: -ray.direction,
+        distance: hit.t,
         material: shape.material,
         emitter,
         offset: (sphere.center.abs() + sphere.radius).max_element() * OFFSET,

@@ -38,6 +38,14 @@ fn scenes() -> Vec<Scene> {
         Material::Dielectric { eta, reflectance, transmittance },
         Material::ThinDielectric { eta, reflectance, transmittance },
         Material::RoughDielectric { distribution, alpha_u, alpha_v, eta, reflectance, transmittance },
+        Material::Glass {
+            base_color: c(0.7),
+            crossings: 2,
+            roughness: f(0.1),
+            eta,
+            sheet: false,
+            absorption: Rgb::new(0.1, 0.2, 0.3),
+        },
         Material::Plastic { eta, diffuse, specular, nonlinear },
         Material::RoughPlastic { distribution, alpha: 0.2, eta, diffuse, specular, nonlinear },
         Material::MetallicRoughness {

@@ -7,9 +7,11 @@ mod camera;
 mod container;
 mod data;
 mod document;
+mod glass;
 mod material;
 mod morph;
 mod sides;
+mod texture;
 mod uri;
 
 use super::error::{FileError, LoadError, brief};
@@ -68,9 +70,11 @@ struct Builder<'a> {
     warnings: Vec<String>,
     /// What is found in many places: by kind, the first place and their number.
     notes: BTreeMap<&'static str, (String, usize)>,
-    textures: material::TextureCache,
-    /// Materials already made, by their index in the file; `None` is glTF's default.
-    materials: BTreeMap<Option<usize>, material::Made>,
+    textures: texture::TextureCache,
+    /// Materials already made, by their index in the file (`None` is glTF's default), and whether a mesh encloses their glass.
+    materials: BTreeMap<(Option<usize>, bool), material::Made>,
+    /// Whether Blender's exporter wrote the file.
+    by_blender: bool,
     /// Placements of every mesh.
     placements: BTreeMap<Posed, Vec<DAffine3>>,
     has_camera: bool,
@@ -82,6 +86,7 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(data: &'a Data<'a>, document: &Document, skip_missing: bool) -> Self {
+        let generator = document.as_json().asset.generator.as_ref();
         let mut builder = Self {
             warnings: Vec::new(),
             notes: BTreeMap::new(),
@@ -89,6 +94,7 @@ impl<'a> Builder<'a> {
             scene: Scene::default(),
             textures: Default::default(),
             materials: BTreeMap::new(),
+            by_blender: generator.is_some_and(|g| g.contains("Blender")),
             placements: BTreeMap::new(),
             has_camera: false,
             nodes: 0,
@@ -205,10 +211,7 @@ impl<'a> Builder<'a> {
 
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
     fn mesh(&mut self, mesh: &gltf::Mesh, weights: &[f32], placements: &[DAffine3]) -> Result<(), FileError> {
-        let mut emits = false;
-        for primitive in mesh.primitives() {
-            emits |= self.material(&primitive.material())?.emitter.is_some();
-        }
+        let emits = mesh.primitives().any(|p| material::emits(&p.material()));
         if placements.len() > 1 && !emits {
             let shapes = self.primitives(mesh, weights, DAffine3::IDENTITY)?;
             let group = self.scene.groups.len() as u32;
@@ -229,7 +232,8 @@ impl<'a> Builder<'a> {
         for primitive in mesh.primitives() {
             let what =
                 format!("mesh {} ({}), primitive {}", mesh.index(), mesh.name().unwrap_or("-"), primitive.index());
-            let made = self.material(&primitive.material())?;
+            let solid = self.is_solid(mesh, &primitive)?;
+            let made = self.material(&primitive.material(), solid)?;
             let Some(geometry) = self.geometry(&primitive, weights, made.uv_set, &what)? else { continue };
             let flat = geometry.normals.is_empty();
             let how = Finish {
