@@ -3,10 +3,12 @@
 //! Each model works in the local frame (z = shading normal): `wo` points to the eye, `wi` to the light. Models that
 //! only reflect are asked for directions of the upper hemisphere alone.
 
+mod bend;
 mod coat;
 mod dielectric;
 mod facets;
 mod fresnel;
+mod glass;
 mod glossy;
 mod metal;
 mod resolve;
@@ -23,6 +25,7 @@ use core::ops::{Add, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
 pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
+pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
@@ -136,6 +139,8 @@ pub struct Bsdf<'a> {
     wo: Vec3A,
     /// The smooth shading normal in the local frame, where a texture bent the frame away from it.
     unbent: Option<Vec3A>,
+    /// Whether diffuse light ends softly where the smooth surface turns from it.
+    soft: bool,
     /// The material behind all wrappers.
     material: MaterialId,
 }
@@ -233,7 +238,7 @@ impl Bsdf<'_> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return Value::default();
         }
-        match &self.model {
+        let mut value = match &self.model {
             Model::Diffuse(reflectance) => {
                 Value { f: Split { diffuse: *reflectance * FRAC_1_PI, glossy: Rgb::ZERO }, pdf: wi.z * FRAC_1_PI }
             }
@@ -243,7 +248,13 @@ impl Bsdf<'_> {
             Model::RoughCoat(m) => m.value(wo, wi),
             Model::MetallicRoughness(m) => m.value(wo, wi),
             _ => Value::default(),
+        };
+        if self.soft
+            && let Some(n) = self.unbent
+        {
+            value.f.diffuse *= bend::terminator(n.dot(wi), wi.z, n.z);
         }
+        value
     }
 
     /// Samples a direction for light; `choice` chooses among parts. `None` where the sample is lost.

@@ -11,6 +11,7 @@ pub(crate) struct Sheet {
     pub facets: Option<Facets>,
     /// Index of the glass.
     pub eta: f32,
+    pub reflectance: Rgb,
     pub transmittance: Rgb,
 }
 
@@ -26,7 +27,7 @@ impl Sheet {
         let wo = side * wo;
         let wi = if passes { across(side * wi) } else { side * wi };
         let r = fresnel::dielectric((0.5 * (wo + wi).length()).min(1.0), self.eta).reflectance;
-        let (share, tint) = if passes { (1.0 - r, self.transmittance) } else { (r, Rgb::ONE) };
+        let (share, tint) = if passes { (1.0 - r, self.transmittance) } else { (r, self.reflectance) };
         let glossy = tint * (share * facets.reflection(wo, wi));
         Value { f: Split { diffuse: Rgb::ZERO, glossy }, pdf: share * facets.reflection_pdf(wo, wi) }
     }
@@ -36,7 +37,7 @@ impl Sheet {
         let side = wo.z.signum();
         let Some(facets) = &self.facets else {
             let reflected = choice < fresnel::dielectric(wo.z.abs(), self.eta).reflectance;
-            let (wi, weight) = if reflected { (mirror(wo), Rgb::ONE) } else { (-wo, self.transmittance) };
+            let (wi, weight) = if reflected { (mirror(wo), self.reflectance) } else { (-wo, self.transmittance) };
             return Some(Scatter::Delta { wi, weight, eta: 1.0 });
         };
         let h = facets.sample(side * wo, u)?;

@@ -169,10 +169,11 @@ pub enum Material {
         metallic: FloatTexture,
         /// Perceptual roughness in [0, 1].
         roughness: FloatTexture,
-        /// Reflectance of the dielectric part at normal incidence (0.04 for an index of 1.5).
-        f0: Rgb,
-        /// The same at grazing incidence (1 but for KHR_materials_specular).
-        f90: f32,
+        /// Reflectance of the dielectric part at normal incidence over that at grazing incidence (0.04 for an index of
+        /// 1.5); more than 1 counts as 1.
+        f0: ColorTexture,
+        /// Reflectance of the dielectric part at grazing incidence (1 but for KHR_materials_specular).
+        specular: FloatTexture,
     },
     /// Reflects on both sides: `front` on the side of the normal, `back` on the other (often the same).
     TwoSided {
@@ -194,6 +195,9 @@ pub enum Material {
         texture: TextureId,
         /// Factor on x and y of the decoded normal.
         scale: f32,
+        /// Whether normals are turned back so far that mirror directions keep above the surface, and diffuse light ends
+        /// softly with the surface (glTF, as Cycles does; Mitsuba does not).
+        raised: bool,
         /// Material under the new normal.
         inner: MaterialId,
     },
@@ -214,5 +218,15 @@ pub enum Material {
         first: MaterialId,
         /// Weight w.
         second: MaterialId,
+    },
+    /// A clear coat of index 1.5 (KHR_materials_clearcoat): (1 − w F) · base + w F · coat, F Schlick's reflectance at the
+    /// angle of the view to the shading normal.
+    Coat {
+        /// w, 0 … 1.
+        weight: FloatTexture,
+        /// What the coat reflects, as if it reflected all.
+        coat: MaterialId,
+        /// What lies below.
+        base: MaterialId,
     },
 }

@@ -12,12 +12,15 @@ use serde_json::json;
 use std::path::Path;
 
 /// Extensions that are applied.
-pub const SUPPORTED: [&str; 7] = [
+pub const SUPPORTED: [&str; 10] = [
+    "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_texture_transform",
 ];

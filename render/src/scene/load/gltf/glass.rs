@@ -32,13 +32,13 @@ impl Builder<'_> {
             return Ok(false);
         }
         let what = format!("mesh {} ({})", mesh.index(), mesh.name().unwrap_or("-"));
-        let alone = self.geometry(primitive, &[], 0, &what)?;
+        let alone = self.geometry(primitive, &[], &[], &what)?;
         if alone.is_some_and(|m| sides::is_closed([&m])) {
             return Ok(true);
         }
         let mut all = Vec::new();
         for primitive in mesh.primitives() {
-            all.extend(self.geometry(&primitive, &[], 0, &what)?);
+            all.extend(self.geometry(&primitive, &[], &[], &what)?);
         }
         let closed = sides::is_closed(&all);
         if volume.is_some() && !closed {

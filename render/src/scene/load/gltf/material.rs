@@ -12,26 +12,29 @@ use gltf::material::AlphaMode;
 pub struct Made {
     pub id: MaterialId,
     pub emitter: Option<AreaEmitter>,
-    /// Set of texture coordinates that its textures use.
-    pub uv_set: u32,
+    /// Sets of texture coordinates that its textures use, at most two.
+    pub uv_sets: Vec<u32>,
+}
+
+/// What of a mesh a material depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct On {
+    /// Whether its glass, if it is one, is enclosed by the mesh.
+    pub solid: bool,
+    /// Whether the vertices have colours.
+    pub painted: bool,
 }
 
 impl Builder<'_> {
-    /// The material, made once; `solid`: as glass, where it is, that a mesh encloses.
-    pub(super) fn material(&mut self, source: &gltf::Material, solid: bool) -> Result<Made, FileError> {
-        let key = (source.index(), solid);
+    /// The material, made once.
+    pub(super) fn material(&mut self, source: &gltf::Material, on: On) -> Result<Made, FileError> {
+        let key = (source.index(), on);
         if let Some(done) = self.materials.get(&key) {
             return Ok(done.clone());
         }
         let mut uv_sets = Vec::new();
-        let made = self.make(source, solid, &mut uv_sets)?;
-        uv_sets.sort_unstable();
-        uv_sets.dedup();
-        let uv_set = uv_sets.first().copied().unwrap_or(0);
-        if uv_sets.len() > 1 {
-            self.warn(format_args!("{}: all its textures use texture coordinates {uv_set}", label(source)));
-        }
-        let made = Made { id: made.0, emitter: made.1, uv_set };
+        let (id, emitter) = self.make(source, on, &mut uv_sets)?;
+        let made = Made { id, emitter, uv_sets };
         self.materials.insert(key, made.clone());
         Ok(made)
     }
@@ -50,74 +53,116 @@ impl Builder<'_> {
         source: &gltf::Material,
     ) -> MaterialId {
         match normal {
-            Some((texture, scale)) => self.push(Material::NormalMap { texture, scale, inner }, source),
+            Some((texture, scale)) => self.push(Material::NormalMap { texture, scale, raised: true, inner }, source),
             None => inner,
+        }
+    }
+
+    /// Culled backs have no meaning where light travels everywhere: both sides are drawn.
+    pub(super) fn both_sides(&mut self, side: MaterialId, source: &gltf::Material) -> MaterialId {
+        self.push(Material::TwoSided { front: side, back: side }, source)
+    }
+
+    /// A factor, times a channel of a texture if there is one.
+    pub(super) fn scaled(
+        &mut self,
+        factor: f32,
+        texture: Option<&Reference>,
+        channel: Channel,
+        uv_sets: &mut Vec<u32>,
+    ) -> Result<FloatTexture, FileError> {
+        match texture {
+            Some(reference) => Ok(FloatTexture::Scaled(self.texture(reference, channel, uv_sets)?, factor)),
+            None => Ok(FloatTexture::Constant(factor)),
         }
     }
 
     fn make(
         &mut self,
         source: &gltf::Material,
-        solid: bool,
+        on: On,
         uv_sets: &mut Vec<u32>,
     ) -> Result<(MaterialId, Option<AreaEmitter>), FileError> {
+        // The first set of texture coordinates gives the tangents: the normal map comes first.
+        let normal = match source.normal_texture() {
+            Some(map) => Some((self.texture(&Reference::normal(&map), Channel::Normal, uv_sets)?, map.scale())),
+            None => None,
+        };
         let pbr = source.pbr_metallic_roughness();
         let [r, g, b, alpha] = pbr.base_color_factor();
         let tint = Rgb::new(r, g, b);
         let base = pbr.base_color_texture().map(|t| Reference::info(&t));
-        let base_color = match &base {
-            Some(reference) => ColorTexture::Scaled(self.texture(reference, Channel::Color, uv_sets)?, tint),
-            None => ColorTexture::Constant(tint),
+        let texture = base.as_ref().map(|base| self.texture(base, Channel::Color, uv_sets)).transpose()?;
+        let base_color = match (texture, on.painted) {
+            (texture, true) => ColorTexture::Painted(texture, tint),
+            (Some(texture), false) => ColorTexture::Scaled(texture, tint),
+            (None, false) => ColorTexture::Constant(tint),
         };
-        let surface = pbr.metallic_roughness_texture().map(|t| Reference::info(&t));
-        let mut scaled = |factor: f32, channel| match &surface {
-            Some(reference) => self.texture(reference, channel, uv_sets).map(|t| FloatTexture::Scaled(t, factor)),
-            None => Ok(FloatTexture::Constant(factor)),
-        };
-        let roughness = scaled(pbr.roughness_factor(), Channel::Linear(1))?;
-        let metallic = scaled(pbr.metallic_factor(), Channel::Linear(2))?;
-        let ior = source.ior().unwrap_or(1.5);
-        let (f0, f90) = self.fresnel(source, ior);
-        let opaque = Material::MetallicRoughness { base_color, metallic, roughness, f0, f90 };
-        let opaque = self.push(opaque, source);
-        let normal = match source.normal_texture() {
-            Some(map) => {
-                let texture = self.texture(&Reference::normal(&map), Channel::Normal, uv_sets)?;
-                Some((texture, map.scale()))
+        let (mut id, emitter) = if source.unlit() {
+            self.unlit(source, base_color)?
+        } else {
+            let surface = pbr.metallic_roughness_texture().map(|t| Reference::info(&t));
+            let roughness = self.scaled(pbr.roughness_factor(), surface.as_ref(), Channel::Linear(1), uv_sets)?;
+            let metallic = self.scaled(pbr.metallic_factor(), surface.as_ref(), Channel::Linear(2), uv_sets)?;
+            let (f0, specular) = self.fresnel(source, uv_sets)?;
+            let opaque = Material::MetallicRoughness { base_color, metallic, roughness, f0, specular };
+            let opaque = self.push(opaque, source);
+            let opaque = self.bent(opaque, normal, source);
+            let mut id = self.both_sides(opaque, source);
+            if let Some(transmission) = source.transmission() {
+                let texture = transmission.transmission_texture().map(|t| Reference::info(&t));
+                let factor = transmission.transmission_factor();
+                let weight = self.scaled(factor, texture.as_ref(), Channel::Linear(0), uv_sets)?;
+                let opaque = Opaque { id, normal, base_color, metallic, roughness, solid: on.solid };
+                id = self.glass(source, &opaque, weight);
             }
-            None => None,
+            (self.coated(id, source, uv_sets)?, self.emission(source, uv_sets)?)
         };
-        let opaque = self.bent(opaque, normal, source);
-        // Culled backs have no meaning where light travels everywhere: both sides are drawn.
-        let mut id = self.push(Material::TwoSided { front: opaque, back: opaque }, source);
-        if let Some(transmission) = source.transmission() {
-            let weight = match transmission.transmission_texture() {
-                Some(t) => {
-                    let texture = self.texture(&Reference::info(&t), Channel::Linear(0), uv_sets)?;
-                    FloatTexture::Scaled(texture, transmission.transmission_factor())
-                }
-                None => FloatTexture::Constant(transmission.transmission_factor()),
-            };
-            id = self.glass(source, &Opaque { id, normal, base_color, metallic, roughness, solid }, weight);
-        }
-        let opacity = self.opacity(source, alpha, base.as_ref(), uv_sets)?;
-        if let Some(opacity) = opacity {
+        if let Some(opacity) = self.opacity(source, alpha, base.as_ref(), on.painted, uv_sets)? {
             id = self.push(Material::Mask { opacity, inner: id }, source);
         }
-        Ok((id, self.emission(source, uv_sets)?))
+        Ok((id, emitter))
     }
 
-    /// Reflectance of the dielectric part at normal and at grazing incidence (KHR_materials_specular).
-    fn fresnel(&mut self, source: &gltf::Material, ior: f32) -> (Rgb, f32) {
+    /// KHR_materials_unlit: a surface that shows its colour whatever light falls on it shines with it.
+    fn unlit(
+        &mut self,
+        source: &gltf::Material,
+        radiance: ColorTexture,
+    ) -> Result<(MaterialId, Option<AreaEmitter>), FileError> {
+        let black = self.push(Material::Diffuse { reflectance: ColorTexture::Constant(Rgb::ZERO) }, source);
+        let factor = radiance.factor();
+        if !factor.is_finite() || factor.min_element() < 0.0 {
+            return Err(self.data.error(format_args!("{}: its colour must be ≥ 0", label(source))));
+        }
+        let shines = factor != Rgb::ZERO;
+        Ok((self.both_sides(black, source), shines.then_some(AreaEmitter { radiance })))
+    }
+
+    /// Reflectance of the dielectric part, at normal incidence over that at grazing incidence, and at grazing incidence
+    /// (KHR_materials_specular).
+    fn fresnel(
+        &mut self,
+        source: &gltf::Material,
+        uv_sets: &mut Vec<u32>,
+    ) -> Result<(ColorTexture, FloatTexture), FileError> {
+        let ior = source.ior().unwrap_or(1.5);
         let smooth = Some(((ior - 1.0) / (ior + 1.0)).powi(2)).filter(|f| f.is_finite()).unwrap_or(1.0);
         let smooth = Rgb::splat(smooth.min(1.0));
-        let Some(specular) = source.specular() else { return (smooth, 1.0) };
-        if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
-            self.note("textures of KHR_materials_specular are ignored", label(source));
-        }
-        let factor = specular.specular_factor().clamp(0.0, 1.0);
+        let Some(specular) = source.specular() else {
+            return Ok((ColorTexture::Constant(smooth), FloatTexture::Constant(1.0)));
+        };
         let tint = Rgb::from(specular.specular_color_factor()).clamp(Rgb::ZERO, Rgb::splat(1e30));
-        ((smooth * tint).min(Rgb::ONE) * factor, factor)
+        let f0 = match specular.specular_color_texture() {
+            Some(t) => {
+                ColorTexture::Scaled(self.texture(&Reference::info(&t), Channel::Color, uv_sets)?, smooth * tint)
+            }
+            None => ColorTexture::Constant((smooth * tint).min(Rgb::ONE)),
+        };
+        let texture = specular.specular_texture().map(|t| Reference::info(&t));
+        let factor = specular.specular_factor().clamp(0.0, 1.0);
+        let channel = if self.by_blender { Channel::Strength } else { Channel::Linear(3) };
+        Ok((f0, self.scaled(factor, texture.as_ref(), channel, uv_sets)?))
     }
 
     fn opacity(
@@ -125,9 +170,18 @@ impl Builder<'_> {
         source: &gltf::Material,
         alpha: f32,
         base: Option<&Reference>,
+        painted: bool,
         uv_sets: &mut Vec<u32>,
     ) -> Result<Option<FloatTexture>, FileError> {
         let cutoff = source.alpha_cutoff().unwrap_or(0.5);
+        let threshold = if alpha > 0.0 { cutoff / alpha } else { f32::INFINITY };
+        if painted && source.alpha_mode() != AlphaMode::Opaque {
+            let texture = base.map(|base| self.texture(base, Channel::Linear(3), uv_sets)).transpose()?;
+            return Ok(Some(match source.alpha_mode() {
+                AlphaMode::Mask => FloatTexture::PaintedStep(texture, threshold.min(f32::MAX)),
+                _ => FloatTexture::Painted(texture, alpha),
+            }));
+        }
         Ok(Some(match (source.alpha_mode(), base) {
             (AlphaMode::Opaque, _) => return Ok(None),
             (AlphaMode::Blend, None) => FloatTexture::Constant(alpha.clamp(0.0, 1.0)),
@@ -136,7 +190,6 @@ impl Builder<'_> {
             }
             (AlphaMode::Mask, None) => FloatTexture::Constant(if alpha >= cutoff { 1.0 } else { 0.0 }),
             (AlphaMode::Mask, Some(base)) => {
-                let threshold = if alpha > 0.0 { cutoff / alpha } else { f32::INFINITY };
                 FloatTexture::Texture(self.texture(base, Channel::Cutoff(threshold.to_bits()), uv_sets)?)
             }
         }))
@@ -168,5 +221,5 @@ pub(super) fn label(material: &gltf::Material) -> String {
 
 /// Whether surfaces of this material shine.
 pub(super) fn emits(material: &gltf::Material) -> bool {
-    material.emissive_factor() != [0.0; 3] && material.emissive_strength() != Some(0.0)
+    material.unlit() || material.emissive_factor() != [0.0; 3] && material.emissive_strength() != Some(0.0)
 }

@@ -4,6 +4,7 @@
 //! punctual lights are divided by 683 lm/W, which undoes Blender's conversion.
 
 mod camera;
+mod coat;
 mod container;
 mod data;
 mod document;
@@ -66,13 +67,14 @@ struct Posed {
 /// A scene in the making.
 struct Builder<'a> {
     data: &'a Data<'a>,
+    document: &'a Document,
     scene: Scene,
     warnings: Vec<String>,
     /// What is found in many places: by kind, the first place and their number.
     notes: BTreeMap<&'static str, (String, usize)>,
     textures: texture::TextureCache,
-    /// Materials already made, by their index in the file (`None` is glTF's default), and whether a mesh encloses their glass.
-    materials: BTreeMap<(Option<usize>, bool), material::Made>,
+    /// Materials already made, by their index in the file (`None` is glTF's default) and what they are on.
+    materials: BTreeMap<(Option<usize>, material::On), material::Made>,
     /// Whether Blender's exporter wrote the file.
     by_blender: bool,
     /// Placements of every mesh.
@@ -85,12 +87,13 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(data: &'a Data<'a>, document: &Document, skip_missing: bool) -> Self {
+    fn new(data: &'a Data<'a>, document: &'a Document, skip_missing: bool) -> Self {
         let generator = document.as_json().asset.generator.as_ref();
         let mut builder = Self {
             warnings: Vec::new(),
             notes: BTreeMap::new(),
             data,
+            document,
             scene: Scene::default(),
             textures: Default::default(),
             materials: BTreeMap::new(),
@@ -232,9 +235,12 @@ impl<'a> Builder<'a> {
         for primitive in mesh.primitives() {
             let what =
                 format!("mesh {} ({}), primitive {}", mesh.index(), mesh.name().unwrap_or("-"), primitive.index());
-            let solid = self.is_solid(mesh, &primitive)?;
-            let made = self.material(&primitive.material(), solid)?;
-            let Some(geometry) = self.geometry(&primitive, weights, made.uv_set, &what)? else { continue };
+            let on = material::On {
+                solid: self.is_solid(mesh, &primitive)?,
+                painted: primitive.get(&Semantic::Colors(0)).is_some(),
+            };
+            let made = self.material(&primitive.material(), on)?;
+            let Some(geometry) = self.geometry(&primitive, weights, &made.uv_sets, &what)? else { continue };
             let flat = geometry.normals.is_empty();
             let how = Finish {
                 to_world: to_world.as_affine3a(),
@@ -265,7 +271,7 @@ impl<'a> Builder<'a> {
         &mut self,
         primitive: &Primitive,
         weights: &[f32],
-        uv_set: u32,
+        uv_sets: &[u32],
         what: &str,
     ) -> Result<Option<Mesh>, FileError> {
         let data = self.data;
@@ -277,17 +283,20 @@ impl<'a> Builder<'a> {
         if let Some(accessor) = attribute(Semantic::Normals) {
             mesh.normals = data.vectors(&accessor)?.into_iter().map(Vec3::from_array).collect();
         }
-        if let Some(accessor) = attribute(Semantic::TexCoords(uv_set)) {
-            mesh.uvs = data.vectors(&accessor)?.into_iter().map(Vec2::from_array).collect();
+        let uvs = |slot: usize| match uv_sets.get(slot).and_then(|set| attribute(Semantic::TexCoords(*set))) {
+            Some(accessor) => Ok(data.vectors(&accessor)?.into_iter().map(Vec2::from_array).collect()),
+            None => Ok(Vec::new()),
+        };
+        (mesh.uvs, mesh.second_uvs) = (uvs(0)?, uvs(1)?);
+        if let Some(accessor) = attribute(Semantic::Colors(0)) {
+            mesh.colors = data.colors(&accessor)?;
         }
         let count = mesh.positions.len();
-        if [mesh.normals.len(), mesh.uvs.len()].iter().any(|&n| n != 0 && n != count) {
+        let lengths = [mesh.normals.len(), mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len()];
+        if lengths.iter().any(|&n| n != 0 && n != count) {
             return Err(data.error(format_args!("{what}: attributes of different length")));
         }
         morph::apply(&mut mesh, primitive, weights, data, what)?;
-        if attribute(Semantic::Colors(0)).is_some() {
-            self.note("vertex colours are ignored", what);
-        }
         let corners = match primitive.indices() {
             Some(accessor) => data.indices(&accessor)?,
             None => (0..count as u32).collect(),

@@ -6,6 +6,7 @@ use crate::scene::load::image::{Pixels, srgb_to_linear};
 use crate::scene::{Bitmap, Interpolation, Texels, Texture, TextureId, Wrap};
 use glam::Affine2;
 use gltf::texture::{MagFilter, WrappingMode};
+use serde_json::Value;
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -16,6 +17,8 @@ pub(super) enum Channel {
     Color,
     /// One channel, linear.
     Linear(usize),
+    /// Alpha; red in an image without: Blender's exporter leaves a strength where it was.
+    Strength,
     /// 1 where alpha reaches the cutoff (its bits), else 0.
     Cutoff(u32),
     /// Tangent-space normal; glTF's green points up, this crate's v down.
@@ -27,7 +30,7 @@ pub(super) enum Channel {
 pub struct TextureCache {
     /// `None` where the file is missing, and may be.
     images: HashMap<usize, Option<Rc<Pixels>>>,
-    textures: HashMap<(usize, Channel, [u32; 6]), TextureId>,
+    textures: HashMap<(usize, Channel, [u32; 6], bool), TextureId>,
 }
 
 /// The fields that the different kinds of texture references of the `gltf` crate share.
@@ -52,14 +55,21 @@ impl<'a> Reference<'a> {
         let Some(json) = normal.extension_value("KHR_texture_transform") else {
             return Self { texture, uv_set, to_uv: Affine2::IDENTITY };
         };
-        let number = |value: Option<&serde_json::Value>, missing| {
-            value.and_then(serde_json::Value::as_f64).map_or(missing, |v| v as f32)
-        };
+        Self::transformed(texture, uv_set, json)
+    }
+
+    /// With a KHR_texture_transform as JSON.
+    fn transformed(texture: gltf::Texture<'a>, uv_set: u32, json: &Value) -> Self {
         let pair = |name: &str, missing| [0, 1].map(|i| number(json.get(name).and_then(|v| v.get(i)), missing));
         let rotation = number(json.get("rotation"), 0.0);
-        let uv_set = json.get("texCoord").and_then(serde_json::Value::as_u64).map_or(uv_set, |set| set as u32);
+        let uv_set = json.get("texCoord").and_then(Value::as_u64).map_or(uv_set, |set| set as u32);
         Self { texture, uv_set, to_uv: to_uv(pair("scale", 1.0), rotation, pair("offset", 0.0)) }
     }
+}
+
+/// A number of an extension that the `gltf` crate hands out as JSON.
+pub(super) fn number(value: Option<&Value>, missing: f32) -> f32 {
+    value.and_then(Value::as_f64).map_or(missing, |v| v as f32)
 }
 
 /// KHR_texture_transform, which turns coordinates counter-clockwise as seen with v pointing down.
@@ -67,10 +77,24 @@ fn to_uv(scale: [f32; 2], rotation: f32, offset: [f32; 2]) -> Affine2 {
     Affine2::from_scale_angle_translation(scale.into(), -rotation, offset.into())
 }
 
-impl Builder<'_> {
-    /// The image of a texture, decoded once.
+impl<'a> Builder<'a> {
+    /// A texture that an extension refers to in JSON.
+    pub(super) fn reference(&self, json: &Value) -> Result<Reference<'a>, FileError> {
+        let index = json.get("index").and_then(Value::as_u64);
+        let texture = index.and_then(|i| self.document.textures().nth(i as usize));
+        let texture = texture.ok_or_else(|| self.data.error("an extension refers to a missing texture"))?;
+        let uv_set = json.get("texCoord").and_then(Value::as_u64).unwrap_or(0) as u32;
+        Ok(match json.get("extensions").and_then(|e| e.get("KHR_texture_transform")) {
+            Some(transform) => Reference::transformed(texture, uv_set, transform),
+            None => Reference { texture, uv_set, to_uv: Affine2::IDENTITY },
+        })
+    }
+
+    /// The image of a texture, decoded once; a WebP image that an extension names goes first.
     fn pixels(&mut self, texture: &gltf::Texture) -> Result<Option<Rc<Pixels>>, FileError> {
-        let Some(image) = texture.source() else {
+        let webp = texture.extension_value("EXT_texture_webp").and_then(|e| e.get("source")).and_then(Value::as_u64);
+        let webp = webp.and_then(|i| self.document.images().nth(i as usize));
+        let Some(image) = webp.or(texture.source()) else {
             let names = texture.extensions().map(|e| e.keys().cloned().collect::<Vec<_>>().join(", "));
             let names = names.filter(|n| !n.is_empty()).unwrap_or_else(|| "no image at all".into());
             let what = format!("texture {}: its image is not of glTF itself, but of {names}", texture.index());
@@ -92,31 +116,42 @@ impl Builder<'_> {
         Ok(pixels)
     }
 
+    /// Whether a material reads a set of texture coordinates as its second; of more than two, the first stands in.
+    fn slot(&mut self, set: u32, uv_sets: &mut Vec<u32>) -> bool {
+        if !uv_sets.contains(&set) && uv_sets.len() == 2 {
+            self.note("more than two sets of texture coordinates in a material: the first is used", "TEXCOORD");
+            return false;
+        }
+        if !uv_sets.contains(&set) {
+            uv_sets.push(set);
+        }
+        uv_sets.first() != Some(&set)
+    }
+
     pub(super) fn texture(
         &mut self,
         reference: &Reference,
         channel: Channel,
         uv_sets: &mut Vec<u32>,
     ) -> Result<TextureId, FileError> {
-        uv_sets.push(reference.uv_set);
-        let key = (reference.texture.index(), channel, reference.to_uv.to_cols_array().map(f32::to_bits));
+        let second_uv = self.slot(reference.uv_set, uv_sets);
+        let to_uv = reference.to_uv.to_cols_array().map(f32::to_bits);
+        let key = (reference.texture.index(), channel, to_uv, second_uv);
         if let Some(&done) = self.textures.textures.get(&key) {
             return Ok(done);
         }
         let pixels = self.pixels(&reference.texture)?;
         let sampler = reference.texture.sampler();
-        if sampler.wrap_s() != sampler.wrap_t() {
-            self.warn(format_args!("texture {}: its wrap mode of u is used for v too", reference.texture.index()));
-        }
         let bitmap = Bitmap {
             width: pixels.as_ref().map_or(1, |p| p.width),
             height: pixels.as_ref().map_or(1, |p| p.height),
             texels: pixels.map_or_else(|| even(channel), |p| texels(&p, channel)),
-            wrap: match sampler.wrap_s() {
+            wrap: [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
                 WrappingMode::Repeat => Wrap::Repeat,
                 WrappingMode::MirroredRepeat => Wrap::Mirror,
                 WrappingMode::ClampToEdge => Wrap::Clamp,
-            },
+            }),
+            second_uv,
             interpolation: match sampler.mag_filter() {
                 Some(MagFilter::Nearest) => Interpolation::Nearest,
                 Some(MagFilter::Linear) | None => Interpolation::Bilinear,
@@ -135,6 +170,10 @@ fn texels(pixels: &Pixels, channel: Channel) -> Texels {
     match channel {
         Channel::Color => Texels::Rgb(rgba.map(|&[r, g, b, _]| [r, g, b].map(srgb_to_linear)).collect()),
         Channel::Linear(i) => Texels::Gray(rgba.map(|p| p[i]).collect()),
+        Channel::Strength => {
+            let channel = if pixels.rgba.iter().all(|p| p[3] >= 1.0) { 0 } else { 3 };
+            Texels::Gray(rgba.map(|p| p[channel]).collect())
+        }
         Channel::Cutoff(bits) => {
             let threshold = f32::from_bits(bits);
             Texels::Gray(rgba.map(|p| if p[3] >= threshold { 1.0 } else { 0.0 }).collect())
@@ -147,7 +186,7 @@ fn texels(pixels: &Pixels, channel: Channel) -> Texels {
 fn even(channel: Channel) -> Texels {
     match channel {
         Channel::Color => Texels::Rgb(vec![[0.5; 3]]),
-        Channel::Linear(3) | Channel::Cutoff(_) => Texels::Gray(vec![1.0]),
+        Channel::Linear(3) | Channel::Strength | Channel::Cutoff(_) => Texels::Gray(vec![1.0]),
         Channel::Linear(_) => Texels::Gray(vec![0.5]),
         Channel::Normal => Texels::Rgb(vec![[0.5, 0.5, 1.0]]),
     }
