@@ -5,6 +5,8 @@ use glam::Vec3A;
 /// `bent` turned back towards the unit normal `n`, in their plane, just so far that the mirror direction of `wo` keeps a
 /// little above the surface, as Cycles does; unchanged where it is above. From behind, the same below the surface.
 ///
+/// The diffuse part keeps the normal of the map.
+///
 /// Without it, surfaces seen at a grazing angle lose what their normals send below: black bands, and a tenth of the
 /// light of a rough floor. Turning them keeps it, at the cost of flatter normals there. (The microfacets of Schüssler et
 /// al. 2017 keep it too, but add a second bounce that Cycles does not have.)

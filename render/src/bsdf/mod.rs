@@ -139,8 +139,8 @@ pub struct Bsdf<'a> {
     wo: Vec3A,
     /// The smooth shading normal in the local frame, where a texture bent the frame away from it.
     unbent: Option<Vec3A>,
-    /// Whether diffuse light ends softly where the smooth surface turns from it.
-    soft: bool,
+    /// The normal of the diffuse part in the local frame, where it is not that of the frame.
+    diffuse_normal: Option<Vec3A>,
     /// The material behind all wrappers.
     material: MaterialId,
 }
@@ -249,10 +249,9 @@ impl Bsdf<'_> {
             Model::MetallicRoughness(m) => m.value(wo, wi),
             _ => Value::default(),
         };
-        if self.soft
-            && let Some(n) = self.unbent
-        {
-            value.f.diffuse *= bend::terminator(n.dot(wi), wi.z, n.z);
+        if let (Some(n), Some(bent)) = (self.unbent, self.diffuse_normal) {
+            let cos = bent.dot(wi).max(0.0);
+            value.f.diffuse *= cos / wi.z * bend::terminator(n.dot(wi), cos, n.dot(bent));
         }
         value
     }

@@ -28,7 +28,7 @@ impl World {
         } else {
             Frame::from_normal(at.shading_normal)
         };
-        let (mut unbent, mut soft) = (None, false);
+        let (mut unbent, mut diffuse_normal) = (None, None);
         loop {
             match self.material(id) {
                 Material::TwoSided { front, back } => {
@@ -56,8 +56,8 @@ impl World {
                     let smooth = frame.normal();
                     unbent = Some(smooth);
                     frame = self.normal_mapped(at, &frame, *texture, *scale);
-                    soft = *raised;
-                    if soft {
+                    if *raised {
+                        diffuse_normal = Some(frame.normal());
                         let normal = super::bend::raised(smooth, frame.normal(), at.wo);
                         frame = Frame::with_tangent(normal, at.dpdu);
                     }
@@ -70,10 +70,10 @@ impl World {
                 }
                 material => {
                     let wo = frame.to_local(at.wo);
-                    let unbent = unbent.map(|n| frame.to_local(n));
+                    let [unbent, diffuse_normal] = [unbent, diffuse_normal].map(|n| n.map(|n| frame.to_local(n)));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
                     let model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
-                    return Bsdf { model, frame, wo, unbent, soft, material: id };
+                    return Bsdf { model, frame, wo, unbent, diffuse_normal, material: id };
                 }
             }
         }
