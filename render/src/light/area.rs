@@ -36,7 +36,7 @@ pub(super) struct Surface {
     /// Bound of the rounding of its points.
     clearance: f32,
     /// Where values are looked up at the corners of a triangle.
-    corners: [Coordinates; 3],
+    corners: Box<[Coordinates; 3]>,
     pub radiance: ColorTexture,
     mean_radiance: f32,
     /// Share of the surface that is there, where it has holes.
@@ -59,7 +59,7 @@ impl Surface {
         let flat = |form, e1: Vec3A, e2: Vec3A, factor: f32, corners| {
             let cross = e1.cross(e2);
             let (normal, area, opacity) = (cross.normalize_or_zero(), factor * cross.length(), opacity.cloned());
-            Self { form, normal, area, clearance, corners, radiance, mean_radiance, opacity }
+            Self { form, normal, area, clearance, corners: Box::new(corners), radiance, mean_radiance, opacity }
         };
         let corner = |i: u32| Vec3A::from(mesh.positions[i as usize]);
         let coordinates = |i: u32, barycentric: Vec2| {
@@ -97,7 +97,7 @@ impl Surface {
             normal: Vec3A::Z,
             area: lamp.area(),
             clearance: ROUNDING * (sphere.center.abs().max_element() + sphere.radius),
-            corners: [Vec2::ZERO.into(); 3],
+            corners: Box::new([Vec2::ZERO.into(); 3]),
             radiance: emitter.radiance,
             mean_radiance: mean_through(emitter.radiance, opacity, textures),
             opacity: opacity.cloned(),
@@ -149,7 +149,7 @@ impl Surface {
         let distance = to_light.length();
         let wi = to_light / distance;
         let pdf = self.pdf(p, distance, -self.normal.dot(wi));
-        let [a, b, c] = self.corners;
+        let [a, b, c] = *self.corners;
         let at = a * (1.0 - xy.x - xy.y) + b * xy.x + c * xy.y;
         self.finish(textures, wi, target, probability, pdf, &at)
     }
