@@ -175,7 +175,7 @@ fn mistakes_are_named() {
     f.bad("compare a.exr a.exr --fail-above x", "--fail-above");
     f.bad("compare a.exr a.exr --false-color c.exr", ".png");
     f.bad("compare a.txt a.txt", "a.txt: No such file or directory (os error 2)\n");
-    f.bad("compare scene.xml scene.xml", "scene.xml: not an OpenEXR, Radiance HDR, PNG or JPEG image");
+    f.bad("compare scene.xml scene.xml", "scene.xml: not an OpenEXR, Radiance HDR, PNG, JPEG or WebP image");
 }
 
 const GLOSSY: &str = r#"<scene version="3.0.0">

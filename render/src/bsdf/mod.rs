@@ -3,14 +3,17 @@
 //! Each model works in the local frame (z = shading normal): `wo` points to the eye, `wi` to the light. Models that
 //! only reflect are asked for directions of the upper hemisphere alone.
 
+mod bend;
 mod coat;
 mod dielectric;
 mod facets;
 mod fresnel;
+mod glass;
 mod glossy;
 mod metal;
 mod resolve;
 mod rough_dielectric;
+mod sheet;
 #[cfg(test)]
 mod tests;
 
@@ -22,9 +25,11 @@ use core::ops::{Add, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
 pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
+pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
+pub(crate) use sheet::Sheet;
 
 /// A quantity of the diffuse part of a material beside that of the rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,6 +124,7 @@ pub(crate) enum Model<'a> {
     Dielectric(Dielectric),
     ThinDielectric(ThinDielectric),
     RoughDielectric(RoughDielectric),
+    Sheet(Sheet),
     SmoothCoat(SmoothCoat),
     RoughCoat(RoughCoat<'a>),
     MetallicRoughness(MetallicRoughness),
@@ -133,6 +139,8 @@ pub struct Bsdf<'a> {
     wo: Vec3A,
     /// The smooth shading normal in the local frame, where a texture bent the frame away from it.
     unbent: Option<Vec3A>,
+    /// The normal of the diffuse part in the local frame, where it is not that of the frame.
+    diffuse_normal: Option<Vec3A>,
     /// The material behind all wrappers.
     material: MaterialId,
 }
@@ -185,13 +193,20 @@ impl Bsdf<'_> {
     /// Whether light is reflected, never transmitted.
     #[inline]
     pub fn only_reflects(&self) -> bool {
-        !matches!(self.model, Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_))
+        !matches!(
+            self.model,
+            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) | Model::Sheet(_)
+        )
     }
 
     /// Whether nothing but perfectly specular parts scatters: sampling lights is of no use.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        matches!(self.model, Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_))
+        match &self.model {
+            Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_) => true,
+            Model::Sheet(m) => m.facets.is_none(),
+            _ => false,
+        }
     }
 
     /// f_r and density for light from the world direction `wi`.
@@ -215,13 +230,15 @@ impl Bsdf<'_> {
         {
             return Value::default();
         }
-        if let Model::RoughDielectric(m) = &self.model {
-            return m.value(wo, wi);
+        match &self.model {
+            Model::RoughDielectric(m) => return m.value(wo, wi),
+            Model::Sheet(m) => return m.value(wo, wi),
+            _ => {}
         }
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return Value::default();
         }
-        match &self.model {
+        let mut value = match &self.model {
             Model::Diffuse(reflectance) => {
                 Value { f: Split { diffuse: *reflectance * FRAC_1_PI, glossy: Rgb::ZERO }, pdf: wi.z * FRAC_1_PI }
             }
@@ -231,7 +248,12 @@ impl Bsdf<'_> {
             Model::RoughCoat(m) => m.value(wo, wi),
             Model::MetallicRoughness(m) => m.value(wo, wi),
             _ => Value::default(),
+        };
+        if let (Some(n), Some(bent)) = (self.unbent, self.diffuse_normal) {
+            let cos = bent.dot(wi).max(0.0);
+            value.f.diffuse *= cos / wi.z * bend::terminator(n.dot(wi), cos, n.dot(bent));
         }
+        value
     }
 
     /// Samples a direction for light; `choice` chooses among parts. `None` where the sample is lost.
@@ -250,6 +272,7 @@ impl Bsdf<'_> {
             Model::Dielectric(m) => m.sample(wo, choice),
             Model::ThinDielectric(m) => m.sample(wo, choice),
             Model::RoughDielectric(m) => m.sample(wo, choice, u),
+            Model::Sheet(m) => m.sample(wo, choice, u),
             Model::SmoothCoat(m) => m.sample(wo, choice, u),
             Model::RoughCoat(m) => m.sample(wo, choice, u),
             Model::MetallicRoughness(m) => m.sample(wo, choice, u),
@@ -285,7 +308,7 @@ impl Bsdf<'_> {
             Model::Glossy(m) => (m.diffuse + m.specular).min(Rgb::ONE),
             Model::Mirror(m) => m.reflectance(self.wo.z.abs()),
             Model::RoughMetal(m) => m.reflectance(self.wo.z.abs()),
-            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) => Rgb::ONE,
+            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) | Model::Sheet(_) => Rgb::ONE,
             Model::SmoothCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::RoughCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::MetallicRoughness(m) => m.base_color,

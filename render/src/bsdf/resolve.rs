@@ -2,13 +2,21 @@
 
 use super::{
     Bsdf, Dielectric, Facets, Glossy, Lobe, MetallicRoughness, Mirror, Model, RoughCoat, RoughDielectric, RoughMetal,
-    Schlick, SmoothCoat, ThinDielectric,
+    Schlick, Sheet, SmoothCoat, ThinDielectric,
 };
 use crate::frame::Frame;
-use crate::scene::{Bitmap, Material, MaterialId, Texture, TextureId, WardVariant};
+use crate::scene::{Bitmap, Coordinates, Material, MaterialId, Texture, TextureId, WardVariant};
 use crate::world::{Interaction, World};
 use brdf_tables::brdf::{self, Phong, Ward};
 use glam::{Vec2, Vec3A};
+
+/// α below which glass is smooth.
+const SMOOTH_GLASS: f32 = 1e-3;
+
+/// Schlick's reflectance of a coat of index 1.5.
+fn coat_reflectance(cos: f32) -> f32 {
+    0.04 + 0.96 * (1.0 - cos).max(0.0).powi(5)
+}
 
 impl World {
     /// Scattering at a point of a surface.
@@ -20,7 +28,7 @@ impl World {
         } else {
             Frame::from_normal(at.shading_normal)
         };
-        let mut unbent = None;
+        let (mut unbent, mut diffuse_normal) = (None, None);
         loop {
             match self.material(id) {
                 Material::TwoSided { front, back } => {
@@ -31,16 +39,28 @@ impl World {
                 Material::Mask { inner, .. } => id = *inner,
                 Material::Blend { weight, first, second } => {
                     // One of the two, chosen by the point itself: right on average, at the cost of one.
-                    let w = weight.eval(&self.scene.textures, at.uv);
+                    let w = weight.eval(&self.scene.textures, &at.coordinates);
                     id = if crate::sampler::toss(w, u64::from(id.0), [at.p.x, at.p.y, at.p.z]) {
                         *second
                     } else {
                         *first
                     };
                 }
-                Material::NormalMap { texture, scale, inner } => {
-                    unbent = Some(frame.normal());
+                Material::Coat { weight, coat, base } => {
+                    let w = weight.eval(&self.scene.textures, &at.coordinates);
+                    let reflected = w * coat_reflectance(frame.normal().dot(at.wo).abs());
+                    let coated = crate::sampler::toss(reflected, u64::from(id.0), [at.p.x, at.p.y, at.p.z]);
+                    id = if coated { *coat } else { *base };
+                }
+                Material::NormalMap { texture, scale, raised, inner } => {
+                    let smooth = frame.normal();
+                    unbent = Some(smooth);
                     frame = self.normal_mapped(at, &frame, *texture, *scale);
+                    if *raised {
+                        diffuse_normal = Some(frame.normal());
+                        let normal = super::bend::raised(smooth, frame.normal(), at.wo);
+                        frame = Frame::with_tangent(normal, at.dpdu);
+                    }
                     id = *inner;
                 }
                 Material::BumpMap { texture, scale, inner } => {
@@ -50,18 +70,18 @@ impl World {
                 }
                 material => {
                     let wo = frame.to_local(at.wo);
-                    let unbent = unbent.map(|n| frame.to_local(n));
+                    let [unbent, diffuse_normal] = [unbent, diffuse_normal].map(|n| n.map(|n| frame.to_local(n)));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
-                    let model = if visible { self.model(id, material, at.uv, wo) } else { Model::Absorb };
-                    return Bsdf { model, frame, wo, unbent, material: id };
+                    let model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
+                    return Bsdf { model, frame, wo, unbent, diffuse_normal, material: id };
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn model(&self, id: MaterialId, material: &Material, uv: Vec2, wo: Vec3A) -> Model<'_> {
-        let textures = &self.scene.textures[..];
+    fn model(&self, id: MaterialId, material: &Material, at: &Interaction, wo: Vec3A) -> Model<'_> {
+        let (textures, uv) = (&self.scene.textures[..], &at.coordinates);
         match material {
             Material::Diffuse { reflectance } => Model::Diffuse(reflectance.eval(textures, uv)),
             Material::Phong { diffuse, specular, exponent } => {
@@ -110,6 +130,28 @@ impl World {
                     transmittance: transmittance.eval(textures, uv),
                 })
             }
+            Material::Glass { base_color, crossings, roughness, eta, sheet, absorption } => {
+                let tint = base_color.eval(textures, uv).max(Vec3A::ZERO);
+                let tint = if *crossings == 1 { tint } else { tint.powf(1.0 / *crossings as f32) };
+                let roughness = roughness.eval(textures, uv).clamp(0.0, 1.0);
+                let alpha = roughness * roughness;
+                let facets =
+                    (alpha >= SMOOTH_GLASS).then(|| Facets::new(crate::scene::Distribution::Ggx, Vec2::splat(alpha)));
+                let table = self.glass(id).filter(|_| facets.is_some());
+                let kept = table.map_or(1.0, |t| 1.0 / t.share(roughness, wo.z));
+                let eta = *eta;
+                if *sheet {
+                    let reflectance = Vec3A::splat(kept);
+                    return Model::Sheet(Sheet { facets, eta, reflectance, transmittance: kept * tint });
+                }
+                let behind = at.normal.dot(at.wo) < 0.0;
+                let left = if behind { (-*absorption * at.distance).exp() } else { Vec3A::ONE };
+                let (reflectance, transmittance) = (kept * left, kept * left * tint);
+                match facets {
+                    None => Model::Dielectric(Dielectric { eta, reflectance, transmittance }),
+                    Some(facets) => Model::RoughDielectric(RoughDielectric { facets, eta, reflectance, transmittance }),
+                }
+            }
             Material::Plastic { eta, diffuse, specular, nonlinear } => Model::SmoothCoat(SmoothCoat {
                 eta: *eta,
                 diffuse: diffuse.eval(textures, uv),
@@ -127,24 +169,27 @@ impl World {
                     table,
                 }),
             },
-            Material::MetallicRoughness { base_color, metallic, roughness, f0, f90 } => {
+            Material::MetallicRoughness { base_color, metallic, roughness, f0, specular } => {
                 let roughness = roughness.eval(textures, uv).clamp(0.0, 1.0);
                 let facets = Facets::new(crate::scene::Distribution::Ggx, Vec2::splat(roughness * roughness));
                 let color = base_color.eval(textures, uv);
                 let metallic = metallic.eval(textures, uv);
-                let dielectric = Schlick { f0: *f0, f90: *f90 };
+                let f90 = specular.eval(textures, uv).clamp(0.0, 1.0);
+                let f0 = f0.eval(textures, uv).clamp(Vec3A::ZERO, Vec3A::ONE) * f90;
+                let dielectric = Schlick { f0, f90 };
                 Model::MetallicRoughness(MetallicRoughness::new(color, metallic, facets, dielectric, wo.z))
             }
             Material::TwoSided { .. }
             | Material::Mask { .. }
             | Material::Blend { .. }
+            | Material::Coat { .. }
             | Material::NormalMap { .. }
             | Material::BumpMap { .. } => Model::Absorb,
         }
     }
 
     fn normal_mapped(&self, at: &Interaction, frame: &Frame, texture: TextureId, scale: f32) -> Frame {
-        let n = 2.0 * self.scene.textures[texture.0 as usize].eval(at.uv) - 1.0;
+        let n = 2.0 * self.scene.textures[texture.0 as usize].eval(&at.coordinates) - 1.0;
         // Where u and v are mirrored, the second tangent follows v.
         let handedness = 1f32.copysign(frame.to_local(at.dpdv).y);
         let n = Vec3A::new(scale * n.x, scale * handedness * n.y, n.z);
@@ -161,7 +206,8 @@ impl World {
             Texture::Bitmap(Bitmap { width, height, .. }) => Vec2::new(0.5 / *width as f32, 0.5 / *height as f32),
             Texture::Checkerboard { .. } => Vec2::splat(1e-3),
         };
-        let height = |d: Vec2| texture.eval(at.uv + d).x;
+        let moved = |d: Vec2| Coordinates { uv: at.coordinates.uv.map(|uv| uv + d), ..at.coordinates };
+        let height = |d: Vec2| texture.eval(&moved(d)).x;
         let slope = |d: Vec2| scale * (height(d) - height(-d)) / (2.0 * (d.x + d.y));
         let (du, dv) = (slope(Vec2::new(step.x, 0.0)), slope(Vec2::new(0.0, step.y)));
         let n = frame.normal();

@@ -34,6 +34,14 @@ fn materials() -> Vec<(&'static str, Material, f64)> {
         reflectance: c(1.0),
         transmittance: c(1.0),
     };
+    let gltf_glass = |roughness, sheet| Material::Glass {
+        base_color: c(1.0),
+        crossings: 2,
+        roughness: f(roughness),
+        eta: 1.5,
+        sheet,
+        absorption: Vec3A::ZERO,
+    };
     let plastic = |distribution, alpha| Material::RoughPlastic {
         distribution,
         alpha,
@@ -59,6 +67,9 @@ fn materials() -> Vec<(&'static str, Material, f64)> {
         ("thin dielectric", Material::ThinDielectric { eta: 1.5, reflectance: c(1.0), transmittance: c(1.0) }, 1.0),
         ("rough glass ggx", glass(Ggx, 0.4), 1.0),
         ("rough glass beckmann", glass(Beckmann, 0.3), 1.0),
+        ("gltf glass", gltf_glass(0.6, false), 1.0),
+        ("gltf sheet", gltf_glass(0.6, true), 1.0),
+        ("gltf smooth sheet", gltf_glass(0.0, true), 1.0),
         ("plastic", Material::Plastic { eta: 1.5, diffuse: c(1.0), specular: c(1.0), nonlinear: true }, 1.0),
         ("rough plastic ggx", plastic(Ggx, 0.3), 1.0),
         ("rough plastic beckmann", plastic(Beckmann, 0.2), 1.0),
@@ -68,8 +79,8 @@ fn materials() -> Vec<(&'static str, Material, f64)> {
                 base_color: c(0.8),
                 metallic: f(0.3),
                 roughness: f(0.5),
-                f0: Vec3A::splat(0.04),
-                f90: 1.0,
+                f0: c(0.04),
+                specular: f(1.0),
             },
             1.0,
         ),
@@ -86,7 +97,10 @@ fn world(material: Material) -> World {
 fn views(w: &World) -> Vec<Vec3A> {
     let above = [(0.0f32, 0.3f32), (0.7, 1.0), (1.3, 4.0)];
     let v = |(t, p): (f32, f32)| Vec3A::new(t.sin() * p.cos(), t.sin() * p.sin(), t.cos());
-    let below = matches!(w.scene.materials[0], Material::Dielectric { .. } | Material::RoughDielectric { .. });
+    let below = matches!(
+        w.scene.materials[0],
+        Material::Dielectric { .. } | Material::RoughDielectric { .. } | Material::Glass { .. }
+    );
     above.map(v).into_iter().chain(above.map(|a| -v(a)).into_iter().filter(|_| below)).collect()
 }
 
@@ -188,6 +202,12 @@ fn no_energy_is_made_and_weights_agree_with_values() {
 #[test]
 fn reciprocal() {
     for (name, material, _) in materials() {
+        // Given back what its facets lose, rough glass is not.
+        if let Material::Glass { roughness, .. } = material
+            && roughness != f(0.0)
+        {
+            continue;
+        }
         let w = world(material);
         for i in 0..200 {
             let mut s = Sampler::new(3, (i, 0), 0);
@@ -202,6 +222,27 @@ fn reciprocal() {
             }
             let scale = ab.abs().max(ba.abs()).max_element();
             assert!((ab - ba).abs().max_element() <= 2e-3 * scale + 1e-6, "{name}: {ab} {ba}");
+        }
+    }
+}
+
+/// White glass neither absorbs nor makes light, however rough.
+#[test]
+fn rough_glass_keeps_all_light() {
+    let n = 1 << 14;
+    for (roughness, sheet) in [(0.2, false), (0.6, false), (1.0, false), (0.6, true), (1.0, true)] {
+        let (base_color, roughness, absorption) = (c(1.0), f(roughness), Rgb::ZERO);
+        let w = world(Material::Glass { base_color, crossings: 2, roughness, eta: 1.5, sheet, absorption });
+        for wo in views(&w) {
+            with_bsdf(&w, wo, |bsdf| {
+                let weight = |i| {
+                    let mut s = Sampler::new(1, (i, 0), 0);
+                    let sample = bsdf.sample(s.next_1d(), s.next_2d());
+                    sample.map_or(0.0, |s| f64::from(s.weight.sum().y * s.eta * s.eta))
+                };
+                let albedo = (0..n).map(weight).sum::<f64>() / f64::from(n);
+                assert!((albedo - 1.0).abs() < 0.015, "{roughness:?}, sheet {sheet}, view {wo}: {albedo}");
+            });
         }
     }
 }

@@ -111,7 +111,7 @@ impl Report {
             },
             material: scene.material_names.get(shape.material.0 as usize).cloned().unwrap_or_default(),
             emits: shape.emitter.as_ref().map(|e| match e.radiance {
-                ColorTexture::Constant(c) | ColorTexture::Scaled(_, c) => c.to_array(),
+                ColorTexture::Constant(c) | ColorTexture::Scaled(_, c) | ColorTexture::Painted(_, c) => c.to_array(),
                 ColorTexture::Texture(_) => [1.0; 3],
             }),
             placements,

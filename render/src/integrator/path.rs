@@ -149,7 +149,7 @@ fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
     if cos <= 0.0 {
         return Rgb::ZERO;
     }
-    let light = world.lights.emitted(&world.scene.textures, emitter, at.uv) * path.throughput;
+    let light = world.lights.emitted(&world.scene.textures, emitter, &at.coordinates) * path.throughput;
     match &path.previous {
         Some(p) => {
             let distance = (at.p - p.receiver.p).length();

@@ -38,7 +38,7 @@ impl Integrator for SimplePathTracer {
                 && specular
                 && at.normal.dot(at.wo) > 0.0
             {
-                radiance += throughput * lights.emitted(textures, emitter, at.uv);
+                radiance += throughput * lights.emitted(textures, emitter, &at.coordinates);
             }
             if depth == self.max_depth {
                 break;

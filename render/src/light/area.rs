@@ -3,10 +3,10 @@
 use super::sphere::SphereLamp;
 use super::tree::LightBounds;
 use super::{LightSample, Target, mean};
-use crate::scene::{AreaEmitter, ColorTexture, Mesh, Sphere, Texture};
+use crate::scene::{AreaEmitter, ColorTexture, Coordinates, Mesh, Sphere, Texture};
 use crate::world::Opacity;
 use core::f32::consts::PI;
-use glam::{Vec2, Vec3A};
+use glam::{Vec2, Vec3A, Vec4};
 
 /// Shape of an emitter.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +35,8 @@ pub(super) struct Surface {
     area: f32,
     /// Bound of the rounding of its points.
     clearance: f32,
-    /// Texture coordinates at p0, and their change along e1 and e2.
-    uv: [Vec2; 3],
+    /// Where values are looked up at the corners of a triangle.
+    corners: Box<[Coordinates; 3]>,
     pub radiance: ColorTexture,
     mean_radiance: f32,
     /// Share of the surface that is there, where it has holes.
@@ -56,18 +56,22 @@ impl Surface {
         let radiance = emitter.radiance;
         let mean_radiance = mean_through(radiance, opacity, textures);
         let clearance = ROUNDING * mesh.positions.iter().fold(0f32, |e, p| e.max(p.abs().max_element()));
-        let flat = |form, e1: Vec3A, e2: Vec3A, factor: f32, uv| {
+        let flat = |form, e1: Vec3A, e2: Vec3A, factor: f32, corners| {
             let cross = e1.cross(e2);
             let (normal, area, opacity) = (cross.normalize_or_zero(), factor * cross.length(), opacity.cloned());
-            Self { form, normal, area, clearance, uv, radiance, mean_radiance, opacity }
+            Self { form, normal, area, clearance, corners: Box::new(corners), radiance, mean_radiance, opacity }
         };
         let corner = |i: u32| Vec3A::from(mesh.positions[i as usize]);
-        let corner_uv = |i: u32, barycentric: Vec2| mesh.uvs.get(i as usize).copied().unwrap_or(barycentric);
+        let coordinates = |i: u32, barycentric: Vec2| {
+            let first = mesh.uvs.get(i as usize).copied().unwrap_or(barycentric);
+            let second = mesh.second_uvs.get(i as usize).copied().unwrap_or(first);
+            let paint = mesh.colors.get(i as usize).map_or(Vec4::ONE, |c| Vec4::from_array(*c));
+            Coordinates { uv: [first, second], paint }
+        };
         let triangle = |&[a, b, c]: &[u32; 3]| {
             let (p0, e1, e2) = (corner(a), corner(b) - corner(a), corner(c) - corner(a));
-            let uv0 = corner_uv(a, Vec2::ZERO);
-            let uv = [uv0, corner_uv(b, Vec2::X) - uv0, corner_uv(c, Vec2::Y) - uv0];
-            flat(Form::Triangle { p0, e1, e2 }, e1, e2, 0.5, uv)
+            let corners = [coordinates(a, Vec2::ZERO), coordinates(b, Vec2::X), coordinates(c, Vec2::Y)];
+            flat(Form::Triangle { p0, e1, e2 }, e1, e2, 0.5, corners)
         };
         let even = matches!(radiance, ColorTexture::Constant(_)) && !opacity.is_some_and(Opacity::varies);
         if let (&[[a, b, c], [d, e, f]], true) = (&mesh.triangles[..], even) {
@@ -76,7 +80,7 @@ impl Surface {
                 let (p0, e1, e2) = (corner(a), corner(b) - corner(a), corner(f) - corner(a));
                 let miss = (p0 + e1 + e2 - corner(c)).length();
                 if miss <= PARALLEL * (corner(c) - p0).length() {
-                    let surface = flat(Form::Parallelogram { p0, e1, e2 }, e1, e2, 1.0, [Vec2::ZERO; 3]);
+                    let surface = flat(Form::Parallelogram { p0, e1, e2 }, e1, e2, 1.0, [Vec2::ZERO.into(); 3]);
                     return vec![surface].into_iter().filter(|s| s.area > 0.0).collect();
                 }
             }
@@ -93,7 +97,7 @@ impl Surface {
             normal: Vec3A::Z,
             area: lamp.area(),
             clearance: ROUNDING * (sphere.center.abs().max_element() + sphere.radius),
-            uv: [Vec2::ZERO; 3],
+            corners: Box::new([Vec2::ZERO.into(); 3]),
             radiance: emitter.radiance,
             mean_radiance: mean_through(emitter.radiance, opacity, textures),
             opacity: opacity.cloned(),
@@ -137,16 +141,17 @@ impl Surface {
             Form::Sphere(lamp) => {
                 let s = lamp.sample(p, u)?;
                 let Sphere { center, radius, .. } = lamp.sphere;
-                let (target, uv) = (center + s.outward * radius, lamp.sphere.uv(s.outward));
-                return self.finish(textures, s.wi, target, probability, s.pdf, uv);
+                let (target, at) = (center + s.outward * radius, lamp.sphere.uv(s.outward).into());
+                return self.finish(textures, s.wi, target, probability, s.pdf, &at);
             }
         };
         let to_light = target - p;
         let distance = to_light.length();
         let wi = to_light / distance;
         let pdf = self.pdf(p, distance, -self.normal.dot(wi));
-        let uv = self.uv[0] + self.uv[1] * xy.x + self.uv[2] * xy.y;
-        self.finish(textures, wi, target, probability, pdf, uv)
+        let [a, b, c] = *self.corners;
+        let at = a * (1.0 - xy.x - xy.y) + b * xy.x + c * xy.y;
+        self.finish(textures, wi, target, probability, pdf, &at)
     }
 
     #[inline(always)]
@@ -157,14 +162,14 @@ impl Surface {
         target: Vec3A,
         probability: f32,
         pdf: f32,
-        uv: Vec2,
+        at: &Coordinates,
     ) -> Option<LightSample> {
         // The shadow ray ends before the lamp, whose holes it does not meet: their share is taken off here.
-        let opacity = self.opacity.as_ref().map_or(1.0, |o| o.at(textures, uv));
+        let opacity = self.opacity.as_ref().map_or(1.0, |o| o.at(textures, at));
         (pdf > 0.0 && pdf.is_finite() && opacity > 0.0).then(|| LightSample {
             wi,
             target: Target::Point { p: target, clearance: self.clearance },
-            radiance: self.radiance.eval(textures, uv) * opacity,
+            radiance: self.radiance.eval(textures, at) * opacity,
             pdf: pdf * probability,
             delta: false,
         })

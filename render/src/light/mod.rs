@@ -7,7 +7,7 @@ mod split;
 mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
-use crate::scene::{self, Environment, Falloff, Geometry, Rgb, Scene, Texture};
+use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Rgb, Scene, Texture};
 use crate::world::Opacity;
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
@@ -247,11 +247,11 @@ impl Lights {
         LightSample { wi, target: Target::Direction(wi), radiance, pdf: pdf * probability, delta: false }
     }
 
-    /// Radiance that emitter `emitter` sends from a point at `uv` to its front.
+    /// Radiance that emitter `emitter` sends from a point to its front.
     #[inline(always)]
-    pub fn emitted(&self, textures: &[Texture], emitter: u32, uv: Vec2) -> Rgb {
+    pub fn emitted(&self, textures: &[Texture], emitter: u32, at: &Coordinates) -> Rgb {
         match &self.local[emitter as usize] {
-            Local::Surface(surface) => surface.radiance.eval(textures, uv),
+            Local::Surface(surface) => surface.radiance.eval(textures, at),
             _ => Rgb::ZERO,
         }
     }

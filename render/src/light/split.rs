@@ -74,8 +74,8 @@ mod tests {
     #[test]
     fn the_parts_add_up_and_the_dim_one_is_dim() {
         let texels = Texels::Rgb((0..32).map(|i| if i == 13 { [100.0, 50.0, 0.0] } else { [0.5, 1.0, 0.2] }).collect());
-        let (wrap, interpolation) = Default::default();
-        let image = Bitmap { width: 8, height: 4, texels, wrap, interpolation, to_uv: Affine2::IDENTITY };
+        let (wrap, interpolation, second_uv) = Default::default();
+        let image = Bitmap { width: 8, height: 4, texels, wrap, interpolation, second_uv, to_uv: Affine2::IDENTITY };
         let whole =
             Environment::Map(EnvironmentMap { image, to_world: Mat3A::IDENTITY, scale: 2.0, rows: Rows::Poles });
         let (dim, rest) = whole.split();

@@ -115,6 +115,26 @@ pub enum Material {
         /// Factor on the transmission.
         transmittance: ColorTexture,
     },
+    /// Glass of glTF (KHR_materials_transmission, KHR_materials_volume): GGX facets of α = roughness² that reflect
+    /// white light by Fresnel's equations and transmit the rest tinted; smooth where α is below 10⁻³.
+    ///
+    /// A boundary refracts as [`Material::RoughDielectric`] does. A sheet has no thickness: the rest passes straight
+    /// on, spread as the reflection is, and no light is reflected twice inside.
+    Glass {
+        /// What light is multiplied by on the way through `crossings` surfaces.
+        base_color: ColorTexture,
+        /// Surfaces among which the tint is shared evenly: 1, or 2 for the way in and out (each has √base_color).
+        crossings: u32,
+        /// Perceptual roughness in [0, 1].
+        roughness: FloatTexture,
+        /// Index inside over outside.
+        eta: f32,
+        /// Whether it is a sheet rather than a boundary.
+        sheet: bool,
+        /// Absorption coefficient σ per unit of length behind a boundary. Light that meets the boundary from behind
+        /// has come through glass: e^(−σ d) of it is left after the distance d (Beer's law).
+        absorption: Rgb,
+    },
     /// Diffuse base under a smooth dielectric coat.
     Plastic {
         /// Index of the coat over outside, > 1.
@@ -149,10 +169,11 @@ pub enum Material {
         metallic: FloatTexture,
         /// Perceptual roughness in [0, 1].
         roughness: FloatTexture,
-        /// Reflectance of the dielectric part at normal incidence (0.04 for an index of 1.5).
-        f0: Rgb,
-        /// The same at grazing incidence (1 but for KHR_materials_specular).
-        f90: f32,
+        /// Reflectance of the dielectric part at normal incidence over that at grazing incidence (0.04 for an index of
+        /// 1.5); more than 1 counts as 1.
+        f0: ColorTexture,
+        /// Reflectance of the dielectric part at grazing incidence (1 but for KHR_materials_specular).
+        specular: FloatTexture,
     },
     /// Reflects on both sides: `front` on the side of the normal, `back` on the other (often the same).
     TwoSided {
@@ -174,6 +195,9 @@ pub enum Material {
         texture: TextureId,
         /// Factor on x and y of the decoded normal.
         scale: f32,
+        /// Whether normals are turned back so far that mirror directions keep above the surface, and diffuse light ends
+        /// softly with the surface (glTF, as Cycles does; Mitsuba does not).
+        raised: bool,
         /// Material under the new normal.
         inner: MaterialId,
     },
@@ -194,5 +218,15 @@ pub enum Material {
         first: MaterialId,
         /// Weight w.
         second: MaterialId,
+    },
+    /// A clear coat of index 1.5 (KHR_materials_clearcoat): (1 − w F) · base + w F · coat, F Schlick's reflectance at the
+    /// angle of the view to the shading normal.
+    Coat {
+        /// w, 0 … 1.
+        weight: FloatTexture,
+        /// What the coat reflects, as if it reflected all.
+        coat: MaterialId,
+        /// What lies below.
+        base: MaterialId,
     },
 }

@@ -15,6 +15,10 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one per position; empty where the file has none (barycentrics stand in, as in Mitsuba).
     pub uvs: Vec<Vec2>,
+    /// A second set of texture coordinates, one per position; empty where there is none: the first stands in.
+    pub second_uvs: Vec<Vec2>,
+    /// Colours and opacities, one per position; empty where there are none.
+    pub colors: Vec<[f32; 4]>,
 }
 
 /// A sphere, kept exact.

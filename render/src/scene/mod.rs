@@ -17,7 +17,7 @@ pub use camera::{Camera, Crop, Film, Filter, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
-pub use texture::{Bitmap, ColorTexture, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};
+pub use texture::{Bitmap, ColorTexture, Coordinates, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};
 pub use validate::SceneError;
 
 use serde::{Deserialize, Serialize};

@@ -61,8 +61,8 @@ impl Mesh {
         Self {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             positions: corners.map(|c| (2.0 * c - 1.0).extend(0.0)).to_vec(),
-            normals: Vec::new(),
             uvs: corners.to_vec(),
+            ..Self::default()
         }
         .transformed(to_world)
     }

@@ -1,12 +1,42 @@
 //! Values that vary over a surface.
 
 use super::Rgb;
-use glam::{Affine2, Vec2};
+use core::ops::{Add, Mul};
+use glam::{Affine2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 
 /// Index into [`super::Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct TextureId(pub u32);
+
+/// Where values are looked up at a point of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinates {
+    /// Two sets of texture coordinates.
+    pub uv: [Vec2; 2],
+    /// Colour and opacity of the vertices, interpolated; 1 where a mesh has none.
+    pub paint: Vec4,
+}
+
+impl From<Vec2> for Coordinates {
+    fn from(uv: Vec2) -> Self {
+        Self { uv: [uv; 2], paint: Vec4::ONE }
+    }
+}
+
+impl Add for Coordinates {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { uv: [self.uv[0] + other.uv[0], self.uv[1] + other.uv[1]], paint: self.paint + other.paint }
+    }
+}
+
+impl Mul<f32> for Coordinates {
+    type Output = Self;
+    fn mul(self, s: f32) -> Self {
+        Self { uv: self.uv.map(|uv| uv * s), paint: self.paint * s }
+    }
+}
 
 /// A colour, constant or from a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +47,8 @@ pub enum ColorTexture {
     Texture(TextureId),
     /// A texture times a constant (glTF factors, Mitsuba `scale`).
     Scaled(TextureId, Rgb),
+    /// A constant times the colour of the vertices, and times a texture if there is one.
+    Painted(Option<TextureId>, Rgb),
 }
 
 /// A number, constant or from a texture (its first channel).
@@ -28,6 +60,10 @@ pub enum FloatTexture {
     Texture(TextureId),
     /// The same, times a constant.
     Scaled(TextureId, f32),
+    /// A constant times the opacity of the vertices, and times a texture if there is one.
+    Painted(Option<TextureId>, f32),
+    /// 1 where the opacity of the vertices, times a texture if there is one, reaches a threshold; 0 elsewhere.
+    PaintedStep(Option<TextureId>, f32),
 }
 
 /// Something looked up by texture coordinates.
@@ -87,10 +123,12 @@ pub struct Bitmap {
     pub height: u32,
     /// `width · height` finite values.
     pub texels: Texels,
-    /// What lies outside.
-    pub wrap: Wrap,
+    /// What lies outside along u and along v.
+    pub wrap: [Wrap; 2],
     /// How texels become a function.
     pub interpolation: Interpolation,
+    /// Whether the second set of texture coordinates is meant.
+    pub second_uv: bool,
     /// Surface coordinates to texture coordinates.
     pub to_uv: Affine2,
 }
@@ -146,7 +184,8 @@ impl Bitmap {
     /// Value at surface coordinates `uv`.
     pub fn eval(&self, uv: Vec2) -> Rgb {
         let (w, h) = (self.width as i32, self.height as i32);
-        let texel = |x: i32, y: i32| self.texels.get(self.wrap.index(y, h) * w as usize + self.wrap.index(x, w));
+        let [wrap_u, wrap_v] = self.wrap;
+        let texel = |x: i32, y: i32| self.texels.get(wrap_v.index(y, h) * w as usize + wrap_u.index(x, w));
         // Far outside, f32 has no fraction left to look up: the limit keeps the integer arithmetic exact.
         let p = (self.to_uv.transform_point2(uv) * Vec2::new(w as f32, h as f32))
             .clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
@@ -172,12 +211,12 @@ impl Bitmap {
 }
 
 impl Texture {
-    /// Value at surface coordinates `uv`.
-    pub fn eval(&self, uv: Vec2) -> Rgb {
+    /// Value at a point of a surface.
+    pub fn eval(&self, at: &Coordinates) -> Rgb {
         match self {
-            Self::Bitmap(b) => b.eval(uv),
+            Self::Bitmap(b) => b.eval(at.uv[usize::from(b.second_uv)]),
             Self::Checkerboard { color0, color1, to_uv } => {
-                let p = to_uv.transform_point2(uv);
+                let p = to_uv.transform_point2(at.uv[0]);
                 let p = p - p.floor();
                 if (p.x >= 0.5) == (p.y >= 0.5) { *color0 } else { *color1 }
             }
@@ -194,13 +233,16 @@ impl Texture {
 }
 
 impl ColorTexture {
-    /// Value at surface coordinates `uv`.
+    /// Value at a point of a surface.
     #[inline]
-    pub fn eval(&self, textures: &[Texture], uv: Vec2) -> Rgb {
+    pub fn eval(&self, textures: &[Texture], at: &Coordinates) -> Rgb {
         match *self {
             Self::Constant(c) => c,
-            Self::Texture(t) => textures[t.0 as usize].eval(uv),
-            Self::Scaled(t, c) => textures[t.0 as usize].eval(uv) * c,
+            Self::Texture(t) => textures[t.0 as usize].eval(at),
+            Self::Scaled(t, c) => textures[t.0 as usize].eval(at) * c,
+            Self::Painted(t, c) => {
+                t.map_or(Rgb::ONE, |t| textures[t.0 as usize].eval(at)) * c * Rgb::from_vec4(at.paint)
+            }
         }
     }
 
@@ -211,36 +253,82 @@ impl ColorTexture {
             Self::Constant(c) => Self::Constant(c * factor),
             Self::Texture(t) => Self::Scaled(t, factor),
             Self::Scaled(t, c) => Self::Scaled(t, c * factor),
+            Self::Painted(t, c) => Self::Painted(t, c * factor),
         }
     }
 
-    /// Mean over texture space.
+    /// The texture, if there is one.
+    pub fn texture(&self) -> Option<TextureId> {
+        match *self {
+            Self::Constant(_) => None,
+            Self::Texture(t) | Self::Scaled(t, _) => Some(t),
+            Self::Painted(t, _) => t,
+        }
+    }
+
+    /// The constant factor.
+    pub fn factor(&self) -> Rgb {
+        match *self {
+            Self::Texture(_) => Rgb::ONE,
+            Self::Constant(c) | Self::Scaled(_, c) | Self::Painted(_, c) => c,
+        }
+    }
+
+    /// Mean over texture space; the vertices count as white.
     pub fn mean(&self, textures: &[Texture]) -> Rgb {
         match *self {
             Self::Constant(c) => c,
             Self::Texture(t) => textures[t.0 as usize].mean(),
             Self::Scaled(t, c) => textures[t.0 as usize].mean() * c,
+            Self::Painted(t, c) => t.map_or(Rgb::ONE, |t| textures[t.0 as usize].mean()) * c,
         }
     }
 }
 
 impl FloatTexture {
-    /// Value at surface coordinates `uv`.
+    /// Value at a point of a surface.
     #[inline]
-    pub fn eval(&self, textures: &[Texture], uv: Vec2) -> f32 {
+    pub fn eval(&self, textures: &[Texture], at: &Coordinates) -> f32 {
         match *self {
             Self::Constant(c) => c,
-            Self::Texture(t) => textures[t.0 as usize].eval(uv).x,
-            Self::Scaled(t, c) => textures[t.0 as usize].eval(uv).x * c,
+            Self::Texture(t) => textures[t.0 as usize].eval(at).x,
+            Self::Scaled(t, c) => textures[t.0 as usize].eval(at).x * c,
+            Self::Painted(t, c) => t.map_or(1.0, |t| textures[t.0 as usize].eval(at).x) * c * at.paint.w,
+            Self::PaintedStep(t, threshold) => {
+                let opacity = t.map_or(1.0, |t| textures[t.0 as usize].eval(at).x) * at.paint.w;
+                if opacity >= threshold { 1.0 } else { 0.0 }
+            }
         }
     }
 
-    /// Mean over texture space.
+    /// The same times `factor`; a step keeps its height.
+    pub fn times(self, factor: f32) -> Self {
+        match self {
+            Self::Constant(c) => Self::Constant(c * factor),
+            Self::Texture(t) => Self::Scaled(t, factor),
+            Self::Scaled(t, c) => Self::Scaled(t, c * factor),
+            Self::Painted(t, c) => Self::Painted(t, c * factor),
+            Self::PaintedStep(..) => self,
+        }
+    }
+
+    /// The texture, if there is one.
+    pub fn texture(&self) -> Option<TextureId> {
+        match *self {
+            Self::Constant(_) => None,
+            Self::Texture(t) | Self::Scaled(t, _) => Some(t),
+            Self::Painted(t, _) | Self::PaintedStep(t, _) => t,
+        }
+    }
+
+    /// Mean over texture space; the vertices count as opaque.
     pub fn mean(&self, textures: &[Texture]) -> f32 {
         match *self {
             Self::Constant(c) => c,
             Self::Texture(t) => textures[t.0 as usize].mean().x,
             Self::Scaled(t, c) => textures[t.0 as usize].mean().x * c,
+            Self::Painted(t, c) => t.map_or(1.0, |t| textures[t.0 as usize].mean().x) * c,
+            Self::PaintedStep(..) => 1.0,
         }
     }
 }

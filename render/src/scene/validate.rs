@@ -43,6 +43,7 @@ impl Material {
         let pair = match *self {
             Self::TwoSided { front, back } => [Some(front), Some(back)],
             Self::Blend { first, second, .. } => [Some(first), Some(second)],
+            Self::Coat { coat, base, .. } => [Some(coat), Some(base)],
             Self::Mask { inner, .. } | Self::NormalMap { inner, .. } | Self::BumpMap { inner, .. } => {
                 [Some(inner), None]
             }
@@ -54,13 +55,13 @@ impl Material {
     /// Textures this material itself looks up.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> {
         let mut found = Vec::new();
-        let mut color = |c: &ColorTexture| {
-            if let ColorTexture::Texture(t) | ColorTexture::Scaled(t, _) = c {
-                found.push(*t);
-            }
-        };
+        let mut color = |c: &ColorTexture| found.extend(c.texture());
         match self {
-            Self::Diffuse { reflectance: c } | Self::MetallicRoughness { base_color: c, .. } => color(c),
+            Self::Diffuse { reflectance: c } | Self::Glass { base_color: c, .. } => color(c),
+            Self::MetallicRoughness { base_color, f0, .. } => {
+                color(base_color);
+                color(f0);
+            }
             Self::Conductor { eta, k, specular } | Self::RoughConductor { eta, k, specular, .. } => {
                 [eta, k, specular].into_iter().for_each(color);
             }
@@ -75,21 +76,23 @@ impl Material {
                 color(b);
             }
             Self::NormalMap { texture, .. } | Self::BumpMap { texture, .. } => found.push(*texture),
-            Self::TwoSided { .. } | Self::Mask { .. } | Self::Blend { .. } => {}
+            Self::TwoSided { .. } | Self::Mask { .. } | Self::Blend { .. } | Self::Coat { .. } => {}
         }
-        let mut float = |c: &FloatTexture| {
-            if let FloatTexture::Texture(t) | FloatTexture::Scaled(t, _) = c {
-                found.push(*t);
-            }
-        };
+        let mut float = |c: &FloatTexture| found.extend(c.texture());
         match self {
-            Self::Phong { exponent: a, .. } | Self::Mask { opacity: a, .. } | Self::Blend { weight: a, .. } => float(a),
+            Self::Phong { exponent: a, .. }
+            | Self::Glass { roughness: a, .. }
+            | Self::Mask { opacity: a, .. }
+            | Self::Blend { weight: a, .. }
+            | Self::Coat { weight: a, .. } => float(a),
             Self::Ward { alpha_u: a, alpha_v: b, .. }
             | Self::RoughConductor { alpha_u: a, alpha_v: b, .. }
-            | Self::RoughDielectric { alpha_u: a, alpha_v: b, .. }
-            | Self::MetallicRoughness { metallic: a, roughness: b, .. } => {
+            | Self::RoughDielectric { alpha_u: a, alpha_v: b, .. } => {
                 float(a);
                 float(b);
+            }
+            Self::MetallicRoughness { metallic, roughness, specular, .. } => {
+                [metallic, roughness, specular].into_iter().for_each(float);
             }
             _ => {}
         }
@@ -111,7 +114,7 @@ impl Scene {
             for texture in m.textures() {
                 check_index(what, "texture", texture.0, self.textures.len())?;
             }
-            if let Material::Blend { .. } = m {
+            if let Material::Blend { .. } | Material::Coat { .. } = m {
                 let masked = m.children().any(|c| matches!(self.materials[c.0 as usize], Material::Mask { .. }));
                 require(!masked, || format!("{}: a mask inside a blend; put the blend inside the mask", what()))?;
             }
@@ -159,11 +162,12 @@ impl Scene {
 
     fn check_shape(&self, shape: &Shape, what: impl Fn() -> String + Copy) -> Result<(), SceneError> {
         check_index(what, "material", shape.material.0, self.materials.len())?;
-        if let Some(AreaEmitter { radiance: ColorTexture::Texture(t) | ColorTexture::Scaled(t, _) }) = &shape.emitter {
-            check_index(what, "texture", t.0, self.textures.len())?;
-        }
-        if let Some(AreaEmitter { radiance: ColorTexture::Constant(c) | ColorTexture::Scaled(_, c) }) = &shape.emitter {
-            require(c.is_finite() && c.min_element() >= 0.0, || {
+        if let Some(AreaEmitter { radiance }) = &shape.emitter {
+            if let Some(t) = radiance.texture() {
+                check_index(what, "texture", t.0, self.textures.len())?;
+            }
+            let factor = radiance.factor();
+            require(factor.is_finite() && factor.min_element() >= 0.0, || {
                 format!("{}: emitted radiance must be finite, not negative", what())
             })?;
         }
@@ -176,10 +180,14 @@ impl Scene {
                 require(m.normals.is_empty() || m.normals.len() == n, || {
                     format!("{}: one normal per position", what())
                 })?;
-                require(m.uvs.is_empty() || m.uvs.len() == n, || format!("{}: one uv per position", what()))?;
+                for uvs in [&m.uvs, &m.second_uvs] {
+                    require(uvs.is_empty() || uvs.len() == n, || format!("{}: one uv per position", what()))?;
+                }
+                require(m.colors.is_empty() || m.colors.len() == n, || format!("{}: one colour per position", what()))?;
                 let finite = m.positions.iter().all(|p| p.is_finite())
                     && m.normals.iter().all(|p| p.is_finite())
-                    && m.uvs.iter().all(|p| p.is_finite());
+                    && m.uvs.iter().chain(&m.second_uvs).all(|p| p.is_finite())
+                    && m.colors.iter().flatten().all(|c| c.is_finite());
                 require(finite, || format!("{}: a vertex is not finite", what()))
             }
             Geometry::Sphere(s) => require(s.radius > 0.0 && s.radius.is_finite() && s.center.is_finite(), || {

@@ -3,9 +3,9 @@
 use super::masks::Opacity;
 use crate::bvh::{Stack, TriangleBvh};
 use crate::ray::{Hit, Ray};
-use crate::scene::{Geometry, Scene, Shape, Sphere};
+use crate::scene::{Coordinates, Geometry, Scene, Shape, Sphere};
 use core::cell::Cell;
-use glam::{Affine3A, Vec2, Vec3A};
+use glam::{Affine3A, Vec2, Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::{Boundable, BvhBuildParams};
@@ -207,14 +207,23 @@ fn may_stop(opacity: f32, partly: &Cell<bool>) -> bool {
 }
 
 impl crate::scene::Mesh {
-    /// Texture coordinates of a point of a triangle; barycentrics where the mesh has none.
+    /// Texture coordinates and colour of a point of a triangle; barycentrics where the mesh has no coordinates.
     #[inline]
-    pub(super) fn uv(&self, triangle: u32, b1: f32, b2: f32) -> Vec2 {
-        if self.uvs.is_empty() {
-            return Vec2::new(b1, b2);
-        }
-        let [t0, t1, t2] = self.triangles[triangle as usize].map(|i| self.uvs[i as usize]);
-        t0 * (1.0 - b1 - b2) + t1 * b1 + t2 * b2
+    pub(super) fn coordinates(&self, triangle: u32, b1: f32, b2: f32) -> Coordinates {
+        let corners = self.triangles[triangle as usize].map(|i| i as usize);
+        let uv = |uvs: &[Vec2]| {
+            let [t0, t1, t2] = corners.map(|i| uvs[i]);
+            t0 * (1.0 - b1 - b2) + t1 * b1 + t2 * b2
+        };
+        let first = if self.uvs.is_empty() { Vec2::new(b1, b2) } else { uv(&self.uvs) };
+        let second = if self.second_uvs.is_empty() { first } else { uv(&self.second_uvs) };
+        let paint = if self.colors.is_empty() {
+            Vec4::ONE
+        } else {
+            let [c0, c1, c2] = corners.map(|i| Vec4::from_array(self.colors[i]));
+            c0 * (1.0 - b1 - b2) + c1 * b1 + c2 * b2
+        };
+        Coordinates { uv: [first, second], paint }
     }
 }
 

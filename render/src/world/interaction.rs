@@ -3,7 +3,7 @@
 use super::World;
 use super::aggregate::{Object, TriangleRef, transform};
 use crate::ray::{Hit, NO_INSTANCE, Ray};
-use crate::scene::{Geometry, MaterialId, Mesh, Shape, Sphere};
+use crate::scene::{Coordinates, Geometry, MaterialId, Mesh, Shape, Sphere};
 use core::f32::consts::{PI, TAU};
 use glam::{Affine3A, Vec2, Vec3A};
 
@@ -24,10 +24,12 @@ pub struct Interaction {
     pub dpdu: Vec3A,
     /// ∂p/∂v, zero where unknown.
     pub dpdv: Vec3A,
-    /// Texture coordinates.
-    pub uv: Vec2,
+    /// Texture coordinates, and colour of the vertices.
+    pub coordinates: Coordinates,
     /// Unit direction to where the ray came from.
     pub wo: Vec3A,
+    /// Length of the way to there.
+    pub distance: f32,
     /// How the surface scatters.
     pub material: MaterialId,
     /// Number of the emitter, for [`crate::light::Lights`], if the surface emits.
@@ -102,7 +104,8 @@ impl World {
                 on_sphere(&shapes[shape as usize], &sphere, &local, hit, None)
             }
         };
-        Interaction { wo: -ray.direction.normalize(), ..inner.placed(&instance.to_world) }
+        let length = ray.direction.length();
+        Interaction { wo: -ray.direction / length, distance: hit.t * length, ..inner.placed(&instance.to_world) }
     }
 
     #[inline(always)]
@@ -136,8 +139,9 @@ impl World {
             shading_normal,
             dpdu,
             dpdv,
-            uv: mesh.uv(triangle.index, hit.b1, hit.b2),
+            coordinates: mesh.coordinates(triangle.index, hit.b1, hit.b2),
             wo: -ray.direction,
+            distance: hit.t,
             material: shape.material,
             emitter,
             offset: triangle.extent * OFFSET,
@@ -173,8 +177,9 @@ fn on_sphere(shape: &Shape, sphere: &Sphere, ray: &Ray, hit: &Hit, emitter: Opti
         shading_normal: normal,
         dpdu,
         dpdv,
-        uv: sphere.uv(outward),
+        coordinates: sphere.uv(outward).into(),
         wo: -ray.direction,
+        distance: hit.t,
         material: shape.material,
         emitter,
         offset: (sphere.center.abs() + sphere.radius).max_element() * OFFSET,

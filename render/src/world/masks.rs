@@ -11,7 +11,7 @@ use super::interaction::OFFSET;
 use crate::bvh::Stack;
 use crate::ray::{Hit, NO_INSTANCE, Ray};
 use crate::sampler::toss;
-use crate::scene::{FloatTexture, Geometry, Material, MaterialId, Scene, Sphere, Texture};
+use crate::scene::{Coordinates, FloatTexture, Geometry, Material, MaterialId, Scene, Sphere, Texture};
 use glam::{Vec2, Vec3A};
 use std::sync::Arc;
 
@@ -41,8 +41,8 @@ impl Opacity {
 
     /// Share of light that meets the surface at a point, 0 … 1.
     #[inline]
-    pub fn at(&self, textures: &[Texture], uv: Vec2) -> f32 {
-        self.0.iter().map(|f| f.eval(textures, uv).clamp(0.0, 1.0)).product()
+    pub fn at(&self, textures: &[Texture], at: &Coordinates) -> f32 {
+        self.0.iter().map(|f| f.eval(textures, at).clamp(0.0, 1.0)).product()
     }
 
     /// Mean over texture space, taking the masks for independent.
@@ -72,32 +72,32 @@ impl Aggregate {
         let triangle = &self.triangles[id as usize];
         let Some(opacity) = &self.masks[triangle.shape as usize] else { return 1.0 };
         let Geometry::Mesh(mesh) = &context.shapes[triangle.shape as usize].geometry else { return 1.0 };
-        opacity.at(&context.scene.textures, mesh.uv(triangle.index, b1, b2))
+        opacity.at(&context.scene.textures, &mesh.coordinates(triangle.index, b1, b2))
     }
 
     /// Opacity of a sphere where a ray meets it at distance `t`.
     pub(super) fn sphere_opacity(&self, context: Context, shape: u32, sphere: &Sphere, ray: &Ray, t: f32) -> f32 {
         let Some(Some(opacity)) = self.masks.get(shape as usize) else { return 1.0 };
-        opacity.at(&context.scene.textures, sphere.uv(sphere.outward(ray, t)))
+        opacity.at(&context.scene.textures, &sphere.uv(sphere.outward(ray, t)).into())
     }
 
     /// What lies at a hit on this aggregate; `None` where nothing passes. `away` adds to the coordinates that were rounded.
     fn layer(&self, context: Context, ray: &Ray, hit: &Hit, away: f32) -> Option<Layer> {
-        let (shape, uv, place, normal, extent) = match self.triangles.get(hit.primitive as usize) {
+        let (shape, coordinates, place, normal, extent) = match self.triangles.get(hit.primitive as usize) {
             Some(t) => {
                 let Geometry::Mesh(mesh) = &context.shapes[t.shape as usize].geometry else { return None };
                 let place = Vec2::new(hit.b1, hit.b2);
-                (t.shape, mesh.uv(t.index, hit.b1, hit.b2), place, Vec3A::from(t.normal), t.extent)
+                (t.shape, mesh.coordinates(t.index, hit.b1, hit.b2), place, Vec3A::from(t.normal), t.extent)
             }
             None => {
                 let object = self.objects.get(hit.primitive as usize - self.triangles.len());
                 let Some(&Object::Sphere { shape, sphere }) = object else { return None };
                 let outward = sphere.outward(ray, hit.t);
                 let uv = sphere.uv(outward);
-                (shape, uv, uv, outward, sphere.center.abs().max_element() + sphere.radius)
+                (shape, uv.into(), uv, outward, sphere.center.abs().max_element() + sphere.radius)
             }
         };
-        let opacity = self.masks.get(shape as usize)?.as_ref()?.at(&context.scene.textures, uv);
+        let opacity = self.masks.get(shape as usize)?.as_ref()?.at(&context.scene.textures, &coordinates);
         // As far from the surface as the start of a ray that leaves it; the distance of the hit has its own rounding.
         let clearance = OFFSET * (extent + away + hit.t * ray.direction.length());
         let step = clearance / normal.dot(ray.direction).abs().max(GRAZING * ray.direction.length());

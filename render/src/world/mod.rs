@@ -6,15 +6,17 @@ mod masks;
 mod queries;
 mod sphere;
 
-use crate::bsdf::CoatTable;
+use crate::bsdf::{CoatTable, GlassTable};
 use crate::light::{FirstEmitter, Lights};
 use crate::ray::{Hit, Ray};
-use crate::scene::{Material, MaterialId, Scene, SceneError};
+use crate::scene::{FloatTexture, Material, MaterialId, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
 pub(crate) use masks::Opacity;
 pub use queries::{Counts, Queries};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A scene with everything derived from it.
 #[derive(Clone)]
@@ -33,6 +35,8 @@ pub struct World {
     needs_tangents: Vec<bool>,
     /// Tables of the rough plastics, by material.
     coats: Vec<Option<Box<CoatTable>>>,
+    /// Tables of the glasses that are rough somewhere, by material.
+    glasses: Vec<Option<Arc<GlassTable>>>,
 }
 
 impl World {
@@ -61,7 +65,8 @@ impl World {
             _ => None,
         };
         let coats = scene.materials.iter().map(coat).collect();
-        Ok(Self { scene, lights, aggregate, groups, masked, first_emitter, needs_tangents, coats })
+        let glasses = glasses(&scene);
+        Ok(Self { scene, lights, aggregate, groups, masked, first_emitter, needs_tangents, coats, glasses })
     }
 
     /// Smallest and largest corner of all surfaces; min > max without any.
@@ -96,9 +101,27 @@ impl World {
         self.coats[id.0 as usize].as_deref()
     }
 
+    #[inline]
+    pub(crate) fn glass(&self, id: MaterialId) -> Option<&GlassTable> {
+        self.glasses[id.0 as usize].as_deref()
+    }
+
     fn context(&self) -> Context<'_> {
         Context { scene: &self.scene, shapes: &self.scene.shapes, groups: &self.groups }
     }
+}
+
+/// A table for every glass that is rough somewhere; glasses of one index share it.
+fn glasses(scene: &Scene) -> Vec<Option<Arc<GlassTable>>> {
+    let mut known = HashMap::new();
+    let mut table = |m: &Material| match *m {
+        Material::Glass { roughness, eta, sheet, .. } if roughness != FloatTexture::Constant(0.0) => {
+            let new = || Arc::new(GlassTable::new(eta, sheet));
+            Some(Arc::clone(known.entry((eta.to_bits(), sheet)).or_insert_with(new)))
+        }
+        _ => None,
+    };
+    scene.materials.iter().map(&mut table).collect()
 }
 
 /// Whether evaluating material `i` needs the direction of u: anisotropy, or a normal from a texture.

@@ -263,7 +263,8 @@ fn the_poles_of_the_sky() {
         width: 8,
         height: 5,
         texels: Texels::Gray((0..40).map(|i| if i < 8 { 4.0 } else { 0.0 }).collect()),
-        wrap: Wrap::Repeat,
+        wrap: [Wrap::Repeat; 2],
+        second_uv: false,
         interpolation: Interpolation::Bilinear,
         to_uv: glam::Affine2::IDENTITY,
     };

@@ -115,7 +115,8 @@ fn sky_glass_and_mirrors() {
         width: 64,
         height: 32,
         texels: Texels::Rgb(texels),
-        wrap: Wrap::Repeat,
+        wrap: [Wrap::Repeat; 2],
+        second_uv: false,
         interpolation: Interpolation::Bilinear,
         to_uv: glam::Affine2::IDENTITY,
     };
@@ -169,7 +170,7 @@ fn many_lights_and_wrapped_materials() {
             specular: gray(1.0),
         },
         Material::TwoSided { front: MaterialId(0), back: MaterialId(0) },
-        Material::NormalMap { texture, scale: 0.3, inner: MaterialId(0) },
+        Material::NormalMap { texture, scale: 0.3, raised: false, inner: MaterialId(0) },
     ];
     let sheet = Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(0.6), Vec3::new(0.2, -0.2, -0.2));
     let sheet = mesh(Mesh::rectangle(sheet * Affine3A::from_scale(Vec3::splat(0.4))), 1, None);

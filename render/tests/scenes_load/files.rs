@@ -43,7 +43,7 @@ fn missing_textures_become_grey() {
     let e = Folder::new().scene(bitmap).unwrap_err();
     assert!(e.ends_with("; --skip-missing draws an even grey instead"), "{e}");
     let (scene, warnings) = skip_missing(Folder::new(), bitmap).unwrap();
-    assert_eq!(scene.textures[0].eval(glam::Vec2::ZERO), glam::Vec3A::splat(0.5));
+    assert_eq!(scene.textures[0].eval(&glam::Vec2::ZERO.into()), glam::Vec3A::splat(0.5));
     assert_eq!(warnings, ["--skip-missing: 1 textures are an even grey: no gone.png"]);
     let sky = "<emitter type='envmap'><string name='filename' value='gone.exr'/></emitter>";
     assert!(skip_missing(Folder::new(), sky).is_err());

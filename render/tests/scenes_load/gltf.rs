@@ -146,23 +146,26 @@ fn materials_and_textures() {
         panic!()
     };
     let Material::TwoSided { front, .. } = scene.materials[inner.0 as usize] else { panic!() };
-    let Material::NormalMap { texture: normal, scale: 0.5, inner } = scene.materials[front.0 as usize] else {
-        panic!()
-    };
-    let Material::MetallicRoughness { base_color, metallic, roughness, f0, f90 } = &scene.materials[inner.0 as usize]
+    let Material::NormalMap { texture: normal, scale: 0.5, raised: true, inner } = scene.materials[front.0 as usize]
     else {
         panic!()
     };
-    let at = |u: f32| glam::Vec2::new(u, 0.5);
+    let Material::MetallicRoughness { base_color, metallic, roughness, f0, specular } =
+        &scene.materials[inner.0 as usize]
+    else {
+        panic!()
+    };
+    let at = |u: f32| Coordinates::from(glam::Vec2::new(u, 0.5));
     let t = &scene.textures;
-    assert!((base_color.eval(t, at(0.2)) - Vec3A::new(0.5, 0.2159, 0.0)).abs().max_element() < 1e-3);
-    assert!((roughness.eval(t, at(0.2)) - 0.8 * 0.502).abs() < 1e-3 && metallic.eval(t, at(0.7)) == 1.0);
-    assert!((f0 - Vec3A::splat(0.04)).abs().max_element() < 1e-6 && *f90 == 1.0);
-    assert_eq!((t[alpha.0 as usize].eval(at(0.2)).x, t[alpha.0 as usize].eval(at(0.7)).x), (1.0, 0.0));
+    assert!((base_color.eval(t, &at(0.2)) - Vec3A::new(0.5, 0.2159, 0.0)).abs().max_element() < 1e-3);
+    assert!((roughness.eval(t, &at(0.2)) - 0.8 * 0.502).abs() < 1e-3 && metallic.eval(t, &at(0.7)) == 1.0);
+    assert!((f0.factor() - Vec3A::splat(0.04)).abs().max_element() < 1e-6);
+    assert_eq!(*specular, FloatTexture::Constant(1.0));
+    assert_eq!((t[alpha.0 as usize].eval(&at(0.2)).x, t[alpha.0 as usize].eval(&at(0.7)).x), (1.0, 0.0));
     // Green points up in glTF and v down in this crate.
-    assert!((t[normal.0 as usize].eval(at(0.2)).y - 127.0 / 255.0).abs() < 1e-3);
+    assert!((t[normal.0 as usize].eval(&at(0.2)).y - 127.0 / 255.0).abs() < 1e-3);
     let Texture::Bitmap(bitmap) = &t[0] else { panic!() };
-    assert_eq!((bitmap.wrap, bitmap.interpolation), (Wrap::Clamp, Interpolation::Nearest));
+    assert_eq!((bitmap.wrap, bitmap.interpolation), ([Wrap::Clamp; 2], Interpolation::Nearest));
 }
 
 #[test]

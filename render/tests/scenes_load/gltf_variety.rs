@@ -3,7 +3,7 @@
 use crate::Folder;
 use crate::gltf::{buffer, data_uri, document, load, png};
 use glam::Vec3A;
-use render::scene::{Geometry, Material, Mesh, Shape, Texture, load};
+use render::scene::{FloatTexture, Geometry, Material, Mesh, Shape, Texture, load};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_1_SQRT_2 as HALF;
 
@@ -160,7 +160,9 @@ fn specular_reflectance_has_a_strength_and_a_colour() {
         let (scene, warnings) = load(&d).unwrap();
         assert!(warnings.is_empty(), "{warnings:?}");
         let found = scene.materials.iter().find_map(|m| match m {
-            Material::MetallicRoughness { f0, f90, .. } => Some((f0.to_array(), *f90)),
+            Material::MetallicRoughness { f0, specular: FloatTexture::Constant(f90), .. } => {
+                Some(((f0.factor() * *f90).to_array(), *f90))
+            }
             _ => None,
         });
         found.unwrap()

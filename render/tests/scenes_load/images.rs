@@ -119,7 +119,7 @@ fn damaged_images_are_refused() {
         }
     }
     let e = texture("t.png", b"not an image", "").unwrap_err();
-    assert!(e.ends_with("t.png: not an OpenEXR, Radiance HDR, PNG or JPEG image"), "{e}");
+    assert!(e.ends_with("t.png: not an OpenEXR, Radiance HDR, PNG, JPEG or WebP image"), "{e}");
 }
 
 #[test]

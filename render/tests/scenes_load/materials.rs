@@ -201,7 +201,7 @@ fn normal_and_bump_maps() {
     let scene = load(&format!("<bsdf type='normalmap'>{texture}</bsdf>"));
     assert!(matches!(scene.materials[1], Material::NormalMap { inner: MaterialId(0), .. }));
     // Normals are never decoded as colours.
-    assert!((scene.textures[0].eval(Vec2::ZERO).x - 0.502).abs() < 1e-3);
+    assert!((scene.textures[0].eval(&Vec2::ZERO.into()).x - 0.502).abs() < 1e-3);
     let scene = load(&format!("<bsdf type='bumpmap'><float name='scale' value='3'/>{texture}</bsdf>"));
     assert!(matches!(scene.materials[1], Material::BumpMap { scale: 3.0, .. }));
     let scaled = "<texture type='scale'><float name='scale' value='5'/><texture type='checkerboard'/></texture>";
@@ -221,8 +221,8 @@ fn checkerboards_scales_and_shared_textures() {
              <rgb name='scale' value='0.5'/></texture></bsdf></shape>",
     );
     assert_eq!(s.textures.len(), 1);
-    assert_eq!(s.textures[0].eval(Vec2::new(0.2, 0.1)), Vec3A::X);
-    assert_eq!(s.textures[0].eval(Vec2::new(0.3, 0.1)), Vec3A::Z);
+    assert_eq!(s.textures[0].eval(&Vec2::new(0.2, 0.1).into()), Vec3A::X);
+    assert_eq!(s.textures[0].eval(&Vec2::new(0.3, 0.1).into()), Vec3A::Z);
     let half = ColorTexture::Scaled(TextureId(0), Vec3A::splat(0.5));
     assert_eq!(s.materials[1], Material::Diffuse { reflectance: half });
     // Version 0.6: uv · scale + offset.

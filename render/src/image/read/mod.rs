@@ -1,6 +1,6 @@
-//! One reader of pictures for skies, textures and `compare`: OpenEXR, Radiance HDR, PNG and JPEG, recognised by their
-//! first bytes whatever the name says. Sizes are checked against limits, and against what the bytes could hold, before
-//! anything is allocated.
+//! One reader of pictures for skies, textures and `compare`: OpenEXR, Radiance HDR, PNG, JPEG and WebP, recognised by
+//! their first bytes whatever the name says. Sizes are checked against limits, and against what the bytes could hold,
+//! before anything is allocated.
 
 mod exr;
 mod hdr;

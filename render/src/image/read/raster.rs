@@ -1,4 +1,4 @@
-//! PNG and JPEG. Profiles and gammas in the file are ignored: the values count as sRGB.
+//! PNG, JPEG and WebP. Profiles and gammas in the file are ignored: the values count as sRGB.
 
 use super::{MAX_PIXELS, Pixels, check_plausible, check_size};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -8,17 +8,23 @@ use std::io::Cursor;
 /// 64 pixels take at least a bit each.
 const PIXELS_PER_BYTE: usize = 8 * 1032;
 
+/// Bytes of a small file.
+const SMALL: usize = 1 << 12;
+
 pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_PIXELS * 16);
     reader.limits(limits);
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err("not an OpenEXR, Radiance HDR, PNG or JPEG image".into());
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
+        return Err("not an OpenEXR, Radiance HDR, PNG, JPEG or WebP image".into());
     }
+    let webp = reader.format() == Some(ImageFormat::WebP);
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
-    check_plausible(check_size(width.into(), height.into())?, bytes.len(), PIXELS_PER_BYTE)?;
+    // An even WebP of any size has a few bytes: it may be as large as a small file of the others.
+    let available = if webp { bytes.len().max(SMALL) } else { bytes.len() };
+    check_plausible(check_size(width.into(), height.into())?, available, PIXELS_PER_BYTE)?;
     let image = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     let rgba = image.into_rgba32f().into_vec().as_chunks().0.to_vec();
     Ok(Pixels { width, height, rgba, display_referred: true, ..Pixels::default() })

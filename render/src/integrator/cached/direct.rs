@@ -65,7 +65,7 @@ pub fn emission(world: &World, lights: &Lights, at: &Interaction, left: Option<&
     if cos <= 0.0 {
         return Rgb::ZERO;
     }
-    let light = lights.emitted(&world.scene.textures, emitter, at.uv);
+    let light = lights.emitted(&world.scene.textures, emitter, &at.coordinates);
     match left.and_then(|l| l.pdf.map(|pdf| (l, pdf))) {
         Some((left, pdf)) => {
             let distance = (at.p - left.receiver.p).length();

@@ -208,7 +208,7 @@ fn reason(material: &Material, allowed: Allowed) -> &'static str {
         | Material::ThinDielectric { .. }
         | Material::Plastic { .. } => "perfectly specular",
         _ if allowed == Allowed::Irradiance && specular(material).is_some() => "the method caches irradiance only",
-        Material::RoughDielectric { .. } => "transmits light",
+        Material::RoughDielectric { .. } | Material::Glass { .. } => "transmits light",
         _ => "roughness or index from a texture, or a model without table",
     }
 }

@@ -20,7 +20,8 @@ fn scenes() -> Vec<Scene> {
         width: 2,
         height: 1,
         texels,
-        wrap: Wrap::Repeat,
+        wrap: [Wrap::Repeat, Wrap::Clamp],
+        second_uv: false,
         interpolation: Interpolation::Nearest,
         to_uv: Affine2::from_scale(Vec2::new(2.0, 3.0)),
     };
@@ -38,19 +39,28 @@ fn scenes() -> Vec<Scene> {
         Material::Dielectric { eta, reflectance, transmittance },
         Material::ThinDielectric { eta, reflectance, transmittance },
         Material::RoughDielectric { distribution, alpha_u, alpha_v, eta, reflectance, transmittance },
+        Material::Glass {
+            base_color: c(0.7),
+            crossings: 2,
+            roughness: f(0.1),
+            eta,
+            sheet: false,
+            absorption: Rgb::new(0.1, 0.2, 0.3),
+        },
         Material::Plastic { eta, diffuse, specular, nonlinear },
         Material::RoughPlastic { distribution, alpha: 0.2, eta, diffuse, specular, nonlinear },
         Material::MetallicRoughness {
             base_color: ColorTexture::Texture(texture(0)),
             metallic: FloatTexture::Texture(texture(0)),
             roughness: f(0.5),
-            f0: Rgb::splat(0.04),
-            f90: 0.9,
+            f0: ColorTexture::Painted(None, Rgb::splat(0.04)),
+            specular: FloatTexture::Painted(Some(texture(0)), 0.5),
         },
         Material::TwoSided { front: id(0), back: id(1) },
         Material::Mask { opacity: f(0.5), inner: id(0) },
-        Material::NormalMap { texture: texture(0), scale: 1.0, inner: id(0) },
+        Material::NormalMap { texture: texture(0), scale: 1.0, raised: true, inner: id(0) },
         Material::BumpMap { texture: texture(0), scale: 1.0, inner: id(0) },
+        Material::Coat { weight: FloatTexture::PaintedStep(None, 0.5), coat: id(0), base: id(1) },
         Material::Blend { weight: f(0.5), first: id(0), second: id(1) },
     ];
     let mesh = Mesh {
@@ -58,6 +68,8 @@ fn scenes() -> Vec<Scene> {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         normals: vec![Vec3::Z; 3],
         uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        second_uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        colors: vec![[0.25, 0.5, 0.75, 1.0]; 3],
     };
     let sphere = Sphere { center: Vec3A::Y, radius: 2.0, rotation: Mat3A::IDENTITY, inward: false };
     let shape = |geometry, emitter| Shape { geometry, material: id(3), emitter };

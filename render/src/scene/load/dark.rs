@@ -10,7 +10,7 @@ impl Scene {
             Light::Directional { irradiance, .. } => irradiance != Rgb::ZERO,
         };
         let emits = |color: &ColorTexture| match *color {
-            ColorTexture::Constant(c) | ColorTexture::Scaled(_, c) => c != Rgb::ZERO,
+            ColorTexture::Constant(c) | ColorTexture::Scaled(_, c) | ColorTexture::Painted(_, c) => c != Rgb::ZERO,
             ColorTexture::Texture(_) => true,
         };
         let sky = match &self.environment {

@@ -77,7 +77,8 @@ impl Sky {
             width,
             height,
             texels: Texels::Rgb(texels),
-            wrap: Wrap::Repeat,
+            wrap: [Wrap::Repeat; 2],
+            second_uv: false,
             interpolation: Interpolation::Bilinear,
             to_uv: Affine2::IDENTITY,
         };

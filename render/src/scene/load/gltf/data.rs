@@ -135,6 +135,16 @@ impl<'a> Data<'a> {
         Ok(elements.into_iter().map(|e| std::array::from_fn(|i| number(&e[i * width..]))).collect())
     }
 
+    /// Colours with opacity, 1 where they have none, brought into [0, 1].
+    pub fn colors(&self, accessor: &Accessor) -> Result<Vec<[f32; 4]>, FileError> {
+        let colors: Vec<[f32; 4]> = match accessor.dimensions() {
+            Dimensions::Vec4 => self.vectors(accessor)?,
+            _ => self.vectors::<3>(accessor)?.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect(),
+        };
+        // NaN stays, and is refused with the mesh.
+        Ok(colors.into_iter().map(|c| c.map(|x| x.clamp(0.0, 1.0))).collect())
+    }
+
     /// Vectors of `N` numbers. Normalised integers become numbers up to 1, others stay as they are
     /// (`KHR_mesh_quantization`).
     pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>, FileError> {

@@ -6,9 +6,11 @@
 
 mod animation;
 mod camera;
+mod coat;
 mod container;
 mod data;
 mod document;
+mod glass;
 mod instancing;
 mod keys;
 mod lamps;
@@ -19,6 +21,7 @@ mod pose;
 mod scenes;
 mod sides;
 mod skin;
+mod texture;
 mod uri;
 
 use super::choose::choose;
@@ -85,9 +88,9 @@ struct Builder<'a> {
     warnings: Vec<String>,
     /// What is found in many places: by kind, the first place and their number.
     notes: BTreeMap<&'static str, (String, usize)>,
-    textures: material::TextureCache,
-    /// Materials already made, by their index in the file; `None` is glTF's default.
-    materials: BTreeMap<Option<usize>, material::Made>,
+    textures: texture::TextureCache,
+    /// Materials already made, by their index in the file (`None` is glTF's default) and what they are on.
+    materials: BTreeMap<(Option<usize>, material::On), material::Made>,
     pose: Pose,
     /// Transforms of the joints of every skin.
     skins: BTreeMap<usize, Vec<DAffine3>>,
@@ -221,10 +224,7 @@ impl<'a> Builder<'a> {
 
     /// A mesh placed once becomes shapes of the world; placed more often, a group, unless it emits light.
     fn mesh(&mut self, mesh: &gltf::Mesh, posed: &Posed, placements: &[DAffine3]) -> Result<(), FileError> {
-        let mut emits = false;
-        for primitive in mesh.primitives() {
-            emits |= self.material(&primitive.material())?.emitter.is_some();
-        }
+        let emits = mesh.primitives().any(|p| material::emits(&p.material()));
         if placements.len() > 1 && !emits {
             let shapes = self.primitives(mesh, posed, DAffine3::IDENTITY)?;
             let group = self.scene.groups.len() as u32;
@@ -245,8 +245,12 @@ impl<'a> Builder<'a> {
         for primitive in mesh.primitives() {
             let what =
                 format!("mesh {} ({}), primitive {}", mesh.index(), mesh.name().unwrap_or("-"), primitive.index());
-            let made = self.material(&primitive.material())?;
-            let Some(geometry) = self.geometry(&primitive, posed, made.uv_set, &what)? else { continue };
+            let on = material::On {
+                solid: self.is_solid(mesh, &primitive)?,
+                painted: primitive.get(&Semantic::Colors(0)).is_some(),
+            };
+            let made = self.material(&primitive.material(), on)?;
+            let Some(geometry) = self.geometry(&primitive, posed, &made.uv_sets, &what)? else { continue };
             let flat = geometry.normals.is_empty();
             let how = Finish {
                 to_world: to_world.as_affine3a(),
@@ -277,7 +281,7 @@ impl<'a> Builder<'a> {
         &mut self,
         primitive: &Primitive,
         posed: &Posed,
-        uv_set: u32,
+        uv_sets: &[u32],
         what: &str,
     ) -> Result<Option<Mesh>, FileError> {
         let data = self.data;
@@ -289,17 +293,20 @@ impl<'a> Builder<'a> {
         if let Some(accessor) = attribute(Semantic::Normals) {
             mesh.normals = data.vectors(&accessor)?.into_iter().map(Vec3::from_array).collect();
         }
-        if let Some(accessor) = attribute(Semantic::TexCoords(uv_set)) {
-            mesh.uvs = data.vectors(&accessor)?.into_iter().map(Vec2::from_array).collect();
+        let uvs = |slot: usize| match uv_sets.get(slot).and_then(|set| attribute(Semantic::TexCoords(*set))) {
+            Some(accessor) => Ok(data.vectors(&accessor)?.into_iter().map(Vec2::from_array).collect()),
+            None => Ok(Vec::new()),
+        };
+        (mesh.uvs, mesh.second_uvs) = (uvs(0)?, uvs(1)?);
+        if let Some(accessor) = attribute(Semantic::Colors(0)) {
+            mesh.colors = data.colors(&accessor)?;
         }
         let count = mesh.positions.len();
-        if [mesh.normals.len(), mesh.uvs.len()].iter().any(|&n| n != 0 && n != count) {
+        let lengths = [mesh.normals.len(), mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len()];
+        if lengths.iter().any(|&n| n != 0 && n != count) {
             return Err(data.error(format_args!("{what}: attributes of different length")));
         }
         morph::apply(&mut mesh, primitive, &posed.weights(), data, what)?;
-        if attribute(Semantic::Colors(0)).is_some() {
-            self.note("vertex colours are ignored", what);
-        }
         let corners = match primitive.indices() {
             Some(accessor) => data.integers::<1>(&accessor)?.into_flattened(),
             None => (0..count as u32).collect(),

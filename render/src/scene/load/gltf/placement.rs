@@ -20,6 +20,11 @@ pub struct Posed {
 }
 
 impl Posed {
+    /// The mesh as it was modelled.
+    pub fn at_rest(mesh: usize) -> Self {
+        Self { mesh, weights: Vec::new(), skin: None }
+    }
+
     /// Weights of the morph targets; those that are left out are zero.
     pub fn weights(&self) -> Vec<f32> {
         self.weights.iter().copied().map(f32::from_bits).collect()

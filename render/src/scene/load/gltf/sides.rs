@@ -13,7 +13,7 @@ const GAP: f32 = 1e-4;
 
 /// The sheet behind an open mesh, facing the other way; `None` for a closed one, whose inside nobody sees.
 pub fn behind(mesh: &Mesh) -> Option<Mesh> {
-    if is_closed(mesh) {
+    if is_closed([mesh]) {
         return None;
     }
     let bounds = mesh.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
@@ -25,16 +25,21 @@ pub fn behind(mesh: &Mesh) -> Option<Mesh> {
     Some(back.flipped())
 }
 
-/// Whether every edge belongs to two triangles; vertices in the same place are one.
-fn is_closed(mesh: &Mesh) -> bool {
-    // Adding 0 makes −0 and 0 the same.
-    let key = |i: u32| (mesh.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
+/// Whether surfaces together have no border: every edge belongs to an even number of triangles; vertices in the same
+/// place are one.
+pub fn is_closed<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> bool {
     let mut edges: HashMap<_, u32> = HashMap::new();
-    for &[a, b, c] in &mesh.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            let (from, to) = (key(from), key(to));
-            *edges.entry(if from < to { (from, to) } else { (to, from) }).or_default() += 1;
+    for mesh in meshes {
+        // Adding 0 makes −0 and 0 the same.
+        let key = |i: u32| mesh.positions.get(i as usize).map(|&p| (p + 0.0).to_array().map(f32::to_bits));
+        for &[a, b, c] in &mesh.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let (from, to) = (key(from), key(to));
+                if from != to {
+                    *edges.entry(if from < to { (from, to) } else { (to, from) }).or_default() += 1;
+                }
+            }
         }
     }
-    edges.values().all(|&n| n == 2)
+    edges.values().all(|&n| n % 2 == 0)
 }

@@ -95,6 +95,8 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     for (what, bad) in [
         ("normal", mesh.normals.iter().position(|n| !n.is_finite())),
         ("texture coordinate", mesh.uvs.iter().position(|t| !t.is_finite())),
+        ("texture coordinate", mesh.second_uvs.iter().position(|t| !t.is_finite())),
+        ("colour", mesh.colors.iter().position(|c| c.iter().any(|x| !x.is_finite()))),
     ] {
         if let Some(i) = bad {
             return Err(FileError::new(path, format_args!("the {what} of vertex {i} is not finite")));

@@ -98,7 +98,8 @@ impl Builder<'_> {
             width: pixels.width,
             height: pixels.height,
             texels: Texels::Rgb(texels),
-            wrap: Wrap::Repeat,
+            wrap: [Wrap::Repeat; 2],
+            second_uv: false,
             interpolation: Interpolation::Bilinear,
             to_uv: glam::Affine2::IDENTITY,
         };

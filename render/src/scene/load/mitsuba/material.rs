@@ -107,7 +107,7 @@ impl Builder<'_> {
             }
             "normalmap" => {
                 let texture = self.texture(self.inner_texture(object)?, Decode::Vector)?;
-                Ok(Material::NormalMap { texture, scale: 1.0, inner: self.inner(object)? })
+                Ok(Material::NormalMap { texture, scale: 1.0, raised: false, inner: self.inner(object)? })
             }
             "blendbsdf" => {
                 let weight = self.number_in(object, "weight", 0.5, 0.0..=1.0)?;
@@ -250,7 +250,8 @@ impl Builder<'_> {
         let base_color = self.reflectance(object, "base_color", ColorTexture::Constant(Rgb::splat(0.5)))?;
         let metallic = self.number_in(object, "metallic", 0.0, 0.0..=1.0)?;
         let roughness = self.number_in(object, "roughness", 0.5, 0.0..=1.0)?;
-        let f0 = Rgb::splat(0.08 * object.number_or("specular", 0.5)? as f32);
-        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, f90: 1.0 })
+        let f0 = ColorTexture::Constant(Rgb::splat(0.08 * object.number_or("specular", 0.5)? as f32));
+        let specular = FloatTexture::Constant(1.0);
+        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, specular })
     }
 }

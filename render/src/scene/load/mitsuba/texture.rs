@@ -127,11 +127,7 @@ impl Builder<'_> {
         Ok(match object.plugin.as_str() {
             "scale" => {
                 let factor = object.number_or("scale", 1.0)? as f32;
-                match self.float_of(self.inner_texture(object)?)? {
-                    FloatTexture::Constant(c) => FloatTexture::Constant(c * factor),
-                    FloatTexture::Texture(t) => FloatTexture::Scaled(t, factor),
-                    FloatTexture::Scaled(t, c) => FloatTexture::Scaled(t, c * factor),
-                }
+                self.float_of(self.inner_texture(object)?)?.times(factor)
             }
             "uniform" => FloatTexture::Constant(object.number_or("value", 1.0)? as f32),
             _ => FloatTexture::Texture(self.texture(id, Decode::Scalar)?),
@@ -205,25 +201,25 @@ impl Builder<'_> {
             }
             (None, _) => Texels::Rgb(rgb_texels(&pixels, transfer)),
         };
-        Ok(Bitmap { width: pixels.width, height: pixels.height, texels, wrap, interpolation, to_uv: to_uv(object)? })
+        let (width, height, to_uv) = (pixels.width, pixels.height, to_uv(object)?);
+        Ok(Bitmap { width, height, texels, wrap, interpolation, second_uv: false, to_uv })
     }
 
-    fn wrap(&mut self, object: &Object) -> Result<Wrap, LoadError> {
+    fn wrap(&mut self, object: &Object) -> Result<[Wrap; 2], LoadError> {
         let both = object.text("wrap_mode")?.unwrap_or("repeat");
         let (u, v) = (object.text("wrap_mode_u")?.unwrap_or(both), object.text("wrap_mode_v")?.unwrap_or(both));
-        if u != v {
-            self.warn(object, format_args!("the wrap mode of u, `{u}`, is used for v too instead of `{v}`"));
-        }
-        match u {
+        let mut along = |mode| match mode {
             "repeat" => Ok(Wrap::Repeat),
             "mirror" => Ok(Wrap::Mirror),
             "clamp" => Ok(Wrap::Clamp),
             "zero" | "one" => {
-                self.warn(object, format_args!("the wrap mode `{u}` is not supported: `clamp` is used instead"));
+                self.warn(object, format_args!("the wrap mode `{mode}` is not supported: `clamp` is used instead"));
                 Ok(Wrap::Clamp)
             }
             other => Err(object.error(format!("no such wrap mode: `{other}`"))),
-        }
+        };
+        let first = along(u)?;
+        Ok([first, if u == v { first } else { along(v)? }])
     }
 
     /// An image file named by `object`.

@@ -127,10 +127,11 @@ impl<'a> Library<'a> {
             }
             Err(e) => return Err(e),
         };
-        let (wrap, interpolation) = (Wrap::Repeat, Interpolation::Bilinear);
+        let (wrap, interpolation, second_uv) = ([Wrap::Repeat; 2], Interpolation::Bilinear, false);
         let texels = Texels::Rgb(texels);
         let to_uv = Affine2::IDENTITY;
-        scene.textures.push(Texture::Bitmap(Bitmap { width, height, texels, wrap, interpolation, to_uv }));
+        let bitmap = Bitmap { width, height, texels, wrap, interpolation, second_uv, to_uv };
+        scene.textures.push(Texture::Bitmap(bitmap));
         let id = TextureId(scene.textures.len() as u32 - 1);
         self.images.insert(name.into(), id);
         Ok(id)

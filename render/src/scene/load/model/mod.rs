@@ -114,6 +114,9 @@ fn parts(mesh: Mesh, begins: &[(usize, String)]) -> Vec<(String, Mesh)> {
                 old.iter().map(|i| mesh.normals[of(i)]).collect()
             },
             uvs: if mesh.uvs.is_empty() { Vec::new() } else { old.iter().map(|i| mesh.uvs[of(i)]).collect() },
+            // No format of models has them here.
+            second_uvs: Vec::new(),
+            colors: Vec::new(),
         };
         (name.to_string(), part)
     };

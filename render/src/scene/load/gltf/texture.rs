@@ -1,0 +1,193 @@
+//! glTF textures: images, samplers, transforms of texture coordinates.
+
+use super::Builder;
+use crate::scene::load::error::FileError;
+use crate::scene::load::image::{Pixels, srgb_to_linear};
+use crate::scene::{Bitmap, Interpolation, Texels, Texture, TextureId, Wrap};
+use glam::Affine2;
+use gltf::texture::{MagFilter, WrappingMode};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// What a texture is read for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Channel {
+    /// sRGB-encoded colour.
+    Color,
+    /// One channel, linear.
+    Linear(usize),
+    /// Alpha; red in an image without: Blender's exporter leaves a strength where it was.
+    Strength,
+    /// 1 where alpha reaches the cutoff (its bits), else 0.
+    Cutoff(u32),
+    /// Tangent-space normal; glTF's green points up, this crate's v down.
+    Normal,
+}
+
+/// Images decoded and textures made so far.
+#[derive(Default)]
+pub struct TextureCache {
+    /// `None` where the file is missing, and may be.
+    images: HashMap<usize, Option<Rc<Pixels>>>,
+    textures: HashMap<(usize, Channel, [u32; 6], bool), TextureId>,
+}
+
+/// The fields that the different kinds of texture references of the `gltf` crate share.
+pub(super) struct Reference<'a> {
+    pub texture: gltf::Texture<'a>,
+    pub uv_set: u32,
+    pub to_uv: Affine2,
+}
+
+impl<'a> Reference<'a> {
+    pub fn info(info: &gltf::texture::Info<'a>) -> Self {
+        let Some(t) = info.texture_transform() else {
+            return Self { texture: info.texture(), uv_set: info.tex_coord(), to_uv: Affine2::IDENTITY };
+        };
+        let uv_set = t.tex_coord().unwrap_or(info.tex_coord());
+        Self { texture: info.texture(), uv_set, to_uv: to_uv(t.scale(), t.rotation(), t.offset()) }
+    }
+
+    /// A normal texture, whose transform the `gltf` crate hands out as JSON.
+    pub fn normal(normal: &gltf::material::NormalTexture<'a>) -> Self {
+        let (texture, uv_set) = (normal.texture(), normal.tex_coord());
+        let Some(json) = normal.extension_value("KHR_texture_transform") else {
+            return Self { texture, uv_set, to_uv: Affine2::IDENTITY };
+        };
+        Self::transformed(texture, uv_set, json)
+    }
+
+    /// With a KHR_texture_transform as JSON.
+    fn transformed(texture: gltf::Texture<'a>, uv_set: u32, json: &Value) -> Self {
+        let pair = |name: &str, missing| [0, 1].map(|i| number(json.get(name).and_then(|v| v.get(i)), missing));
+        let rotation = number(json.get("rotation"), 0.0);
+        let uv_set = json.get("texCoord").and_then(Value::as_u64).map_or(uv_set, |set| set as u32);
+        Self { texture, uv_set, to_uv: to_uv(pair("scale", 1.0), rotation, pair("offset", 0.0)) }
+    }
+}
+
+/// A number of an extension that the `gltf` crate hands out as JSON.
+pub(super) fn number(value: Option<&Value>, missing: f32) -> f32 {
+    value.and_then(Value::as_f64).map_or(missing, |v| v as f32)
+}
+
+/// KHR_texture_transform, which turns coordinates counter-clockwise as seen with v pointing down.
+fn to_uv(scale: [f32; 2], rotation: f32, offset: [f32; 2]) -> Affine2 {
+    Affine2::from_scale_angle_translation(scale.into(), -rotation, offset.into())
+}
+
+impl<'a> Builder<'a> {
+    /// A texture that an extension refers to in JSON.
+    pub(super) fn reference(&self, json: &Value) -> Result<Reference<'a>, FileError> {
+        let index = json.get("index").and_then(Value::as_u64);
+        let texture = index.and_then(|i| self.document.textures().nth(i as usize));
+        let texture = texture.ok_or_else(|| self.data.error("an extension refers to a missing texture"))?;
+        let uv_set = json.get("texCoord").and_then(Value::as_u64).unwrap_or(0) as u32;
+        Ok(match json.get("extensions").and_then(|e| e.get("KHR_texture_transform")) {
+            Some(transform) => Reference::transformed(texture, uv_set, transform),
+            None => Reference { texture, uv_set, to_uv: Affine2::IDENTITY },
+        })
+    }
+
+    /// The image of a texture, decoded once; a WebP image that an extension names goes first.
+    fn pixels(&mut self, texture: &gltf::Texture) -> Result<Option<Rc<Pixels>>, FileError> {
+        let webp = texture.extension_value("EXT_texture_webp").and_then(|e| e.get("source")).and_then(Value::as_u64);
+        let webp = webp.and_then(|i| self.document.images().nth(i as usize));
+        let Some(image) = webp.or(texture.source()) else {
+            let names = texture.extensions().map(|e| e.keys().cloned().collect::<Vec<_>>().join(", "));
+            let names = names.filter(|n| !n.is_empty()).unwrap_or_else(|| "no image at all".into());
+            let what = format!("texture {}: its image is not of glTF itself, but of {names}", texture.index());
+            return Err(self.data.error(what));
+        };
+        if let Some(pixels) = self.textures.images.get(&image.index()) {
+            return Ok(pixels.clone());
+        }
+        let pixels = match self.data.image(&image) {
+            Ok(pixels) => Some(Rc::new(pixels)),
+            Err(e) if e.missing && self.skip_missing => {
+                self.missing.push(e.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+                None
+            }
+            Err(e) if e.missing => return Err(e.advise("--skip-missing draws an even grey instead")),
+            Err(e) => return Err(e),
+        };
+        self.textures.images.insert(image.index(), pixels.clone());
+        Ok(pixels)
+    }
+
+    /// Whether a material reads a set of texture coordinates as its second; of more than two, the first stands in.
+    fn slot(&mut self, set: u32, uv_sets: &mut Vec<u32>) -> bool {
+        if !uv_sets.contains(&set) && uv_sets.len() == 2 {
+            self.note("more than two sets of texture coordinates in a material: the first is used", "TEXCOORD");
+            return false;
+        }
+        if !uv_sets.contains(&set) {
+            uv_sets.push(set);
+        }
+        uv_sets.first() != Some(&set)
+    }
+
+    pub(super) fn texture(
+        &mut self,
+        reference: &Reference,
+        channel: Channel,
+        uv_sets: &mut Vec<u32>,
+    ) -> Result<TextureId, FileError> {
+        let second_uv = self.slot(reference.uv_set, uv_sets);
+        let to_uv = reference.to_uv.to_cols_array().map(f32::to_bits);
+        let key = (reference.texture.index(), channel, to_uv, second_uv);
+        if let Some(&done) = self.textures.textures.get(&key) {
+            return Ok(done);
+        }
+        let pixels = self.pixels(&reference.texture)?;
+        let sampler = reference.texture.sampler();
+        let bitmap = Bitmap {
+            width: pixels.as_ref().map_or(1, |p| p.width),
+            height: pixels.as_ref().map_or(1, |p| p.height),
+            texels: pixels.map_or_else(|| even(channel), |p| texels(&p, channel)),
+            wrap: [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+                WrappingMode::Repeat => Wrap::Repeat,
+                WrappingMode::MirroredRepeat => Wrap::Mirror,
+                WrappingMode::ClampToEdge => Wrap::Clamp,
+            }),
+            second_uv,
+            interpolation: match sampler.mag_filter() {
+                Some(MagFilter::Nearest) => Interpolation::Nearest,
+                Some(MagFilter::Linear) | None => Interpolation::Bilinear,
+            },
+            to_uv: reference.to_uv,
+        };
+        let new = TextureId(self.scene.textures.len() as u32);
+        self.scene.textures.push(Texture::Bitmap(bitmap));
+        self.textures.textures.insert(key, new);
+        Ok(new)
+    }
+}
+
+fn texels(pixels: &Pixels, channel: Channel) -> Texels {
+    let rgba = pixels.rgba.iter();
+    match channel {
+        Channel::Color => Texels::Rgb(rgba.map(|&[r, g, b, _]| [r, g, b].map(srgb_to_linear)).collect()),
+        Channel::Linear(i) => Texels::Gray(rgba.map(|p| p[i]).collect()),
+        Channel::Strength => {
+            let channel = if pixels.rgba.iter().all(|p| p[3] >= 1.0) { 0 } else { 3 };
+            Texels::Gray(rgba.map(|p| p[channel]).collect())
+        }
+        Channel::Cutoff(bits) => {
+            let threshold = f32::from_bits(bits);
+            Texels::Gray(rgba.map(|p| if p[3] >= threshold { 1.0 } else { 0.0 }).collect())
+        }
+        Channel::Normal => Texels::Rgb(rgba.map(|&[r, g, b, _]| [r, 1.0 - g, b]).collect()),
+    }
+}
+
+/// Stands for an image that is missing: grey, smooth, and everywhere there.
+fn even(channel: Channel) -> Texels {
+    match channel {
+        Channel::Color => Texels::Rgb(vec![[0.5; 3]]),
+        Channel::Linear(3) | Channel::Strength | Channel::Cutoff(_) => Texels::Gray(vec![1.0]),
+        Channel::Linear(_) => Texels::Gray(vec![0.5]),
+        Channel::Normal => Texels::Rgb(vec![[0.5, 0.5, 1.0]]),
+    }
+}
