@@ -175,7 +175,7 @@ fn glass_and_transforms_of_textures() {
         "pbrMetallicRoughness": {"roughnessFactor": 0, "baseColorTexture": {"index": 0, "extensions":
             {"KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": 1.5707964, "scale": [2, 4]}}}}});
     let (scene, _) = load(&d).unwrap();
-    assert!(scene.materials.iter().any(|m| matches!(m, Material::Dielectric { eta: 1.5, .. })));
+    assert!(scene.materials.iter().any(|m| matches!(m, Material::Glass { eta: 1.5, sheet: true, .. })));
     let Texture::Bitmap(bitmap) = &scene.textures[0] else { panic!() };
     // A quarter turn counter-clockwise, v down: u becomes −v.
     let p = bitmap.to_uv.transform_point2(glam::Vec2::X);
