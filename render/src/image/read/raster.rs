@@ -16,16 +16,19 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_PIXELS * 16);
     reader.limits(limits);
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
-        return Err("not an OpenEXR, Radiance HDR, PNG, JPEG or WebP image".into());
-    }
-    let webp = reader.format() == Some(ImageFormat::WebP);
-    let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+    let name = match reader.format() {
+        Some(ImageFormat::Png) => "PNG",
+        Some(ImageFormat::Jpeg) => "JPEG",
+        Some(ImageFormat::WebP) => "WebP",
+        _ => return Err("not an OpenEXR, Radiance HDR, PNG, JPEG or WebP image".into()),
+    };
+    let damaged = |e: image::ImageError| format!("a damaged {name}: {e}");
+    let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     // An even WebP of any size has a few bytes: it may be as large as a small file of the others.
-    let available = if webp { bytes.len().max(SMALL) } else { bytes.len() };
+    let available = if name == "WebP" { bytes.len().max(SMALL) } else { bytes.len() };
     check_plausible(check_size(width.into(), height.into())?, available, PIXELS_PER_BYTE)?;
-    let image = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let rgba = image.into_rgba32f().into_vec().as_chunks().0.to_vec();
     Ok(Pixels { width, height, rgba, display_referred: true, ..Pixels::default() })
 }

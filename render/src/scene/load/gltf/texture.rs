@@ -94,6 +94,7 @@ impl<'a> Builder<'a> {
     fn pixels(&mut self, texture: &gltf::Texture) -> Result<Option<Rc<Pixels>>, FileError> {
         let webp = texture.extension_value("EXT_texture_webp").and_then(|e| e.get("source")).and_then(Value::as_u64);
         let webp = webp.and_then(|i| self.document.images().nth(i as usize));
+        let by_extension = webp.is_some();
         let Some(image) = webp.or(texture.source()) else {
             let names = texture.extensions().map(|e| e.keys().cloned().collect::<Vec<_>>().join(", "));
             let names = names.filter(|n| !n.is_empty()).unwrap_or_else(|| "no image at all".into());
@@ -110,6 +111,10 @@ impl<'a> Builder<'a> {
                 None
             }
             Err(e) if e.missing => return Err(e.advise("--skip-missing draws an even grey instead")),
+            Err(e) if by_extension => {
+                let (i, what) = (texture.index(), e.what);
+                return Err(self.data.error(format_args!("texture {i}: its image of EXT_texture_webp: {what}")));
+            }
             Err(e) => return Err(e),
         };
         self.textures.images.insert(image.index(), pixels.clone());
