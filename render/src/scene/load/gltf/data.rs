@@ -15,7 +15,7 @@ const MAX_FILE: u64 = 1 << 33;
 /// An element without data: the largest has 16 numbers of 4 bytes.
 const ZEROS: [u8; 64] = [0; 64];
 
-/// Accessors without data that any file may have.
+/// So many elements without data any file may have, however few bytes it has.
 const FREE_ZEROS: usize = 1 << 16;
 
 /// A glTF file with its buffers.
