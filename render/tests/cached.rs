@@ -11,10 +11,16 @@ mod file;
 mod furnace;
 #[path = "cached/harmonics.rs"]
 mod harmonics;
+#[path = "support/lamp_shapes.rs"]
+mod lamp_shapes;
+#[path = "cached/lamps.rs"]
+mod lamps;
 #[path = "cached/library.rs"]
 mod library;
 #[path = "cached/pictures.rs"]
 mod pictures;
+#[path = "support/pieces.rs"]
+mod pieces;
 #[path = "cached/spacing.rs"]
 mod spacing;
 #[path = "cached/translation.rs"]

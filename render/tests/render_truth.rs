@@ -3,10 +3,14 @@
 
 #[path = "render_truth/analytic.rs"]
 mod analytic;
+#[path = "support/lamp_shapes.rs"]
+mod lamp_shapes;
 #[path = "render_truth/lamps.rs"]
 mod lamps;
 #[path = "render_truth/leaks.rs"]
 mod leaks;
+#[path = "support/pieces.rs"]
+mod pieces;
 #[path = "render_truth/references.rs"]
 mod references;
 #[path = "render_truth/scenes.rs"]
