@@ -32,7 +32,8 @@ pub fn header_range(bytes: &[u8]) -> core::ops::Range<usize> {
     16..16 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize
 }
 
-fn table(specular: Option<Specular>, representation: Representation) -> Table {
+/// A table with such a header as the fitter writes.
+pub fn table(specular: Option<Specular>, representation: Representation) -> Table {
     let axes = Axes { theta: 3, phi: 1, omega: 2, sharpness: 20.0, stretch: 0.5 };
     let error = Errors { rmse_hemi: 1e-4, rmse_lobe: 1e-3, l1: 2e-3, max: 3e-3, albedo: 4e-3 };
     let summary = Summary { caps: 5, median: error, p95: error, worst: error };

@@ -1,8 +1,7 @@
 //! Shade one point lit by a few equivalent area light sources through a fitted table:
 //! `cargo run --release -p brdf-tables --example lookup -- tables/phong-100.tbl`.
 
-use brdf_tables::batch::CapBatch;
-use brdf_tables::table::Table;
+use brdf_tables::{CapBatch, Table};
 use glam::Vec3;
 use std::process::ExitCode;
 
@@ -35,7 +34,10 @@ fn main() -> ExitCode {
     // Once per shading point: the sources as caps.
     let mut caps = CapBatch::with_capacity(sources.len());
     for source in &sources {
-        caps.push(source.direction.normalize(), source.solid_angle);
+        if let Err(error) = caps.push(source.direction.normalize(), source.solid_angle) {
+            eprintln!("lookup: {error}");
+            return ExitCode::from(2);
+        }
     }
     // Once per view: F of every source, then L = Σ E F (eq. 8). The diffuse part needs the irradiance alone.
     let wo = Vec3::new(-0.60, 0.05, 0.80).normalize();

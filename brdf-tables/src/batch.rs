@@ -1,6 +1,6 @@
 //! Many caps as a structure of arrays, padded to whole vectors.
 
-use crate::cap::Cap;
+use crate::cap::{Cap, CapError, UNIT, check_axis, check_solid_angle};
 use crate::real::LANES;
 use glam::Vec3;
 
@@ -40,14 +40,25 @@ impl CapBatch {
         self.len = 0;
     }
 
-    /// Adds a cap around the unit vector `axis` (z ≥ 0) with solid angle Ω in sr. Values outside the domain are moved
-    /// to its edge, so that a look-up never meets one; what is not a direction counts as the normal, what is not a number
-    /// as the smallest cap.
-    pub fn push(&mut self, axis: Vec3, solid_angle: f32) {
+    /// Adds a cap around the unit vector `axis` (z ≥ 0) with solid angle Ω in sr, in (0, 2π].
+    ///
+    /// # Errors
+    /// What lies outside of that domain; the batch is then as it was.
+    pub fn push(&mut self, axis: Vec3, solid_angle: f32) -> Result<(), CapError> {
+        check_axis(axis.as_dvec3())?;
+        check_solid_angle(solid_angle.into())?;
+        self.push_nearest(axis, solid_angle);
+        Ok(())
+    }
+
+    /// As [`CapBatch::push`], but for values that rounding, or a move of the point that they are seen from, may have put
+    /// outside the domain: they are moved to its edge, so that a look-up never meets one. What is not a direction counts as
+    /// the normal, what is not a number as the smallest cap.
+    pub fn push_nearest(&mut self, axis: Vec3, solid_angle: f32) {
         // `max`, unlike `clamp`, drops NaN; a comparison with NaN fails.
         let height = (solid_angle * (0.5 / core::f32::consts::PI)).max(MIN_HEIGHT);
         let height = height.min(1.0);
-        let inside = (axis.length_squared() - 1.0).abs() < 1e-3 && axis.z >= 0.0;
+        let inside = (axis.length_squared() - 1.0).abs() < UNIT as f32 && axis.z >= 0.0;
         let axis = if inside { axis } else { axis.with_z(axis.z.max(0.0)).try_normalize().unwrap_or(Vec3::Z) };
         let values = [axis.x, axis.y, axis.z, height];
         let columns = self.axis.iter_mut().chain([&mut self.height]);
@@ -152,7 +163,7 @@ impl<'a> FromIterator<&'a Cap> for CapBatch {
     fn from_iter<I: IntoIterator<Item = &'a Cap>>(caps: I) -> Self {
         let mut batch = Self::default();
         for cap in caps {
-            batch.push(cap.axis().as_vec3(), cap.solid_angle() as f32);
+            batch.push_nearest(cap.axis().as_vec3(), cap.solid_angle() as f32);
         }
         batch
     }
@@ -183,7 +194,9 @@ mod tests {
     fn what_is_outside_moves_to_the_edge() {
         let mut batch = CapBatch::with_capacity(4);
         for (axis, omega) in [(Vec3::NAN, f32::NAN), (Vec3::new(0.6, 0.0, -0.8), 9.0), (Vec3::NEG_Z, -1.0)] {
-            batch.push(axis, omega);
+            let before = batch.len();
+            assert!(batch.push(axis, omega).is_err() && batch.len() == before);
+            batch.push_nearest(axis, omega);
         }
         let smallest = MIN_HEIGHT * core::f32::consts::TAU;
         assert_eq!(batch.get(0), (Vec3::Z, smallest));
@@ -191,5 +204,8 @@ mod tests {
         assert_eq!(batch.get(2), (Vec3::Z, smallest));
         batch.clear();
         assert!(batch.is_empty());
+        let slanted = Vec3::new(0.6, 0.0, 0.8);
+        assert_eq!(batch.push(slanted, core::f32::consts::TAU), Ok(()));
+        assert_eq!(batch.get(0), (slanted, core::f32::consts::TAU));
     }
 }

@@ -14,6 +14,7 @@ pub struct Cap {
 
 /// Why a cap lies outside the domain of the mean BRDF.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CapError {
     /// The zenith angle is not in [0, π/2].
     #[error("theta_e = {0} rad is outside [0, pi/2]")]
@@ -21,6 +22,12 @@ pub enum CapError {
     /// The azimuth is not finite.
     #[error("phi_e = {0} rad is not a finite number")]
     Azimuth(f64),
+    /// The axis is not a unit vector.
+    #[error("axis {0} is not a unit vector")]
+    Axis(DVec3),
+    /// The axis points below the horizon.
+    #[error("axis {0} points below the horizon")]
+    Below(DVec3),
     /// The solid angle is not in (0, 2π].
     #[error("omega = {0} sr is outside (0, 2 pi]")]
     SolidAngle(f64),
@@ -35,12 +42,20 @@ impl Cap {
         if !phi.is_finite() {
             return Err(CapError::Azimuth(phi));
         }
-        if !(solid_angle > 0.0 && solid_angle <= TAU * (1.0 + 1e-12)) {
-            return Err(CapError::SolidAngle(solid_angle));
-        }
+        check_solid_angle(solid_angle)?;
         let mut axis = spherical(theta, phi);
         axis.z = axis.z.max(0.0);
         Ok(Self { axis, solid_angle: solid_angle.min(TAU) })
+    }
+
+    /// The cap around a unit vector of the upper hemisphere (z ≥ 0) with solid angle Ω (sr).
+    ///
+    /// # Errors
+    /// The axis is not of length 1 (to [`UNIT`]), points below the horizon, or Ω is not in (0, 2π].
+    pub fn from_axis(axis: DVec3, solid_angle: f64) -> Result<Self, CapError> {
+        check_axis(axis)?;
+        check_solid_angle(solid_angle)?;
+        Ok(Self::around(axis, solid_angle))
     }
 
     /// The cap around (θe, φe) with half angle σ (radian).
@@ -100,6 +115,24 @@ impl Cap {
     pub fn contains(&self, w: DVec3) -> bool {
         0.5 * (w - self.axis).length_squared() <= self.height()
     }
+}
+
+/// How far the length of a unit vector may be from 1: what single precision leaves of one after a few rotations.
+pub const UNIT: f64 = 1e-3;
+
+/// Whether a vector may be the axis of a cap.
+pub(crate) fn check_axis(axis: DVec3) -> Result<(), CapError> {
+    // A comparison with NaN fails.
+    if !((axis.length_squared() - 1.0).abs() < UNIT) {
+        return Err(CapError::Axis(axis));
+    }
+    if axis.z < 0.0 { Err(CapError::Below(axis)) } else { Ok(()) }
+}
+
+/// Whether a number may be the solid angle of a cap; 2π may be rounded up, in either precision.
+pub(crate) fn check_solid_angle(solid_angle: f64) -> Result<(), CapError> {
+    let fits = solid_angle > 0.0 && solid_angle <= TAU * (1.0 + f64::from(f32::EPSILON));
+    if fits { Ok(()) } else { Err(CapError::SolidAngle(solid_angle)) }
 }
 
 /// ∫ cosθ dω over a cap of height h = 1 − cos σ around an axis of cosine `cz` ≥ 0, clipped by the horizon, sr.
@@ -167,6 +200,12 @@ mod tests {
         assert!(Cap::new(0.1, f64::NAN, 1.0).is_err());
         assert!(Cap::new(f64::NAN, 0.0, 1.0).is_err());
         assert!(Cap::new(0.1, 0.0, f64::INFINITY).is_err());
+        let slanted = DVec3::new(0.6, 0.0, 0.8);
+        assert!((Cap::from_axis(slanted, 1.0).unwrap().theta() - 0.8f64.acos()).abs() < 1e-12);
+        assert_eq!(Cap::from_axis(2.0 * slanted, 1.0), Err(CapError::Axis(2.0 * slanted)));
+        assert_eq!(Cap::from_axis(-slanted, 1.0), Err(CapError::Below(-slanted)));
+        assert_eq!(Cap::from_axis(slanted, 7.0), Err(CapError::SolidAngle(7.0)));
+        assert!(Cap::from_axis(DVec3::NAN, 1.0).is_err() && Cap::from_axis(slanted, f64::NAN).is_err());
     }
 
     #[test]

@@ -6,23 +6,22 @@
 use crate::axis::Axes;
 use crate::cubature::{Cubature, Node};
 use crate::errors::Errors;
-use crate::lobes::{LOBE_SIZE, Lobes};
-use crate::paper::{Paper, RAW_SIZE};
+use crate::lobes::Lobes;
+use crate::paper::Paper;
+use crate::parts::PartsError;
 use crate::table::{CellInfo, Header, Representation, Table};
 use crate::zonal::Zonal;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::{self, Read, Write};
-use std::path::Path;
 
 /// First eight bytes of a table; the line feed shows a file mangled by text-mode transfers.
 pub const MAGIC: [u8; 8] = *b"BURNISH\n";
-/// Version written; the only one read.
+/// Version written. The one before it is read too: its cubature tables know product rules only, and are slower.
 pub const VERSION: u32 = 2;
 /// Longest header accepted, bytes.
 const MAX_HEADER: usize = 1 << 16;
 /// Largest file accepted, bytes: eight times the largest table the fitter makes.
-const MAX_FILE: u64 = 1 << 24;
+#[cfg(feature = "fs")]
+pub(crate) const MAX_FILE: u64 = 1 << 24;
 /// Most nodes of a grid.
 const MAX_NODES: usize = 1 << 16;
 /// Bytes per error cell: five errors and the support angle.
@@ -30,15 +29,17 @@ const CELL: usize = 24;
 
 /// Why bytes are not a table.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FormatError {
     /// The file could not be read or written.
+    #[cfg(feature = "fs")]
     #[error("{0}")]
-    Io(#[from] io::Error),
+    Io(#[from] std::io::Error),
     /// The magic number is wrong.
     #[error("not a table (the first bytes are not BURNISH)")]
     Magic,
-    /// The version is not the one this library reads.
-    #[error("table version {0}, this program reads version {VERSION}: fit it again")]
+    /// The version is none that this library reads.
+    #[error("table version {0}, this program reads versions {older} and {VERSION}: fit it again", older = VERSION - 1)]
     Version(u32),
     /// The file ends early, or goes on after its end.
     #[error("{what} needs {expected} bytes, the file has {found}")]
@@ -51,6 +52,7 @@ pub enum FormatError {
         found: u64,
     },
     /// The file is larger than any table.
+    #[cfg(feature = "fs")]
     #[error("larger than {MAX_FILE} bytes, no table is")]
     TooLarge,
     /// The checksum does not match.
@@ -64,9 +66,12 @@ pub enum FormatError {
     /// A value in the header cannot be.
     #[error("header: {0}")]
     Header(String),
-    /// The numbers of the payload do not make the representation.
+    /// A number of the payload is cut or not finite.
     #[error("payload: {0}")]
     Payload(&'static str),
+    /// The numbers of the payload do not make the representation.
+    #[error("payload: {0}")]
+    Parts(#[from] PartsError),
 }
 
 /// Sizes of the representation, as the header stores them.
@@ -152,7 +157,7 @@ impl Table {
             return Err(FormatError::Magic);
         }
         let version = word(8).ok_or_else(|| length("the version", 12))?;
-        if version != VERSION {
+        if !(VERSION - 1..=VERSION).contains(&version) {
             return Err(FormatError::Version(version));
         }
         let size = word(12).ok_or_else(|| length("the header", 16))? as usize;
@@ -172,49 +177,13 @@ impl Table {
         if used != size {
             return Err(FormatError::Header(format!("{used} of its {size} bytes are used")));
         }
-        stored.build(&bytes[16 + size..end])
-    }
-
-    /// Loads a table.
-    ///
-    /// # Errors
-    /// As [`Table::from_bytes`], or the file cannot be read.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        let mut bytes = Vec::new();
-        File::open(path)?.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 > MAX_FILE {
-            return Err(FormatError::TooLarge);
-        }
-        Self::from_bytes(&bytes)
-    }
-
-    /// Writes the table to a temporary file beside `path`, then renames it: an interrupted run leaves no broken file.
-    ///
-    /// # Errors
-    /// The file cannot be written; `path` is then as it was.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FormatError> {
-        let path = path.as_ref();
-        let mut name = path.file_name().unwrap_or_default().to_os_string();
-        name.push(format!(".{}.tmp", std::process::id()));
-        let temporary = path.with_file_name(name);
-        let bytes = self.to_bytes()?;
-        let write = || -> io::Result<()> {
-            let mut file = File::create(&temporary)?;
-            file.write_all(&bytes)?;
-            file.sync_all()?;
-            std::fs::rename(&temporary, path)
-        };
-        write().map_err(|error| {
-            // The rename did not happen; what is left of the temporary file is of no use.
-            let _ = std::fs::remove_file(&temporary);
-            error.into()
-        })
+        stored.build(&bytes[16 + size..end], version)
     }
 }
 
 impl Stored {
     /// Checks the header and reads the payload.
-    fn build(self, payload: &[u8]) -> Result<Table, FormatError> {
+    fn build(self, payload: &[u8], version: u32) -> Result<Table, FormatError> {
         let Self { header, axes, shape } = self;
         let bad = |what: String| FormatError::Header(what);
         header.material.validate().map_err(|e| bad(format!("material: {e}")))?;
@@ -235,49 +204,57 @@ impl Stored {
             .chunks_exact(6)
             .map(|c| CellInfo { errors: Errors::from_array([c[0], c[1], c[2], c[3], c[4]]), support: c[5] })
             .collect();
-        let representation = shape.read(&header, rest)?;
+        let representation = shape.read(&header, rest, version)?;
         Ok(Table { header, representation, axes, cells })
     }
 }
 
 impl Shape {
-    fn read(self, header: &Header, bytes: &[u8]) -> Result<Representation, FormatError> {
-        let wrong = FormatError::Payload("its size or numbers do not fit the header");
+    fn read(self, header: &Header, bytes: &[u8], version: u32) -> Result<Representation, FormatError> {
         let Some(specular) = header.material.specular else {
-            return if bytes.is_empty() { Ok(Representation::Diffuse) } else { Err(wrong) };
+            PartsError::count(Some(0), bytes.len())?;
+            return Ok(Representation::Diffuse);
         };
-        let grid = |axes: Axes| axes.is_valid(MAX_NODES).then_some(axes);
-        let representation = match self {
-            Shape::Diffuse => None,
+        let grid = |axes: Axes| {
+            let valid = axes.is_valid(MAX_NODES).then_some(axes);
+            valid.ok_or_else(|| FormatError::Header("grid out of range".into()))
+        };
+        Ok(match self {
+            Shape::Diffuse => return Err(PartsError::Material.into()),
             Shape::Zonal { rows, columns, scale } => {
-                let cells = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-                bytes
-                    .len()
-                    .is_multiple_of(4)
-                    .then(|| Zonal::new(specular, rows as usize, columns as usize, cells, scale))
-                    .flatten()
-                    .map(Representation::Zonal)
+                let (cells, rest) = bytes.as_chunks::<4>();
+                PartsError::count(Some(0), rest.len())?;
+                let cells = cells.iter().map(|b| u32::from_le_bytes(*b)).collect();
+                Representation::Zonal(Zonal::new(specular, rows as usize, columns as usize, cells, scale)?)
             }
             Shape::Cubature { axes } => {
-                let (nodes, rest) = bytes.as_chunks::<4>();
-                let axes = grid(axes).filter(|_| rest.is_empty());
-                let nodes: Vec<Node> =
-                    nodes.iter().map(|&[disc, product, outer, far]| Node { disc, product, outer, far }).collect();
-                axes.and_then(|axes| Cubature::new(specular, axes, &nodes)).map(Representation::Cubature)
+                let (axes, nodes) = (grid(axes)?, read_nodes(bytes, version)?);
+                Representation::Cubature(Cubature::new(specular, axes, &nodes)?)
             }
-            Shape::Lobes { axes, count } if count as usize <= LOBE_SIZE * 4 => {
-                let data = read_floats(bytes)?;
-                grid(axes).and_then(|axes| Lobes::new(axes, count as usize, data)).map(Representation::Lobes)
+            Shape::Lobes { axes, count } => {
+                Representation::Lobes(Lobes::new(grid(axes)?, count as usize, read_floats(bytes)?)?)
             }
-            Shape::Lobes { .. } => None,
-            Shape::Paper { elevations, solid_angles, count } if count as usize <= RAW_SIZE * 4 => {
-                let data = read_floats(bytes)?;
-                Paper::new(elevations as usize, solid_angles as usize, count as usize, data).map(Representation::Paper)
+            Shape::Paper { elevations, solid_angles, count } => {
+                let sizes = [elevations, solid_angles, count].map(|x| x as usize);
+                Representation::Paper(Paper::new(sizes[0], sizes[1], sizes[2], read_floats(bytes)?)?)
             }
-            Shape::Paper { .. } => None,
-        };
-        representation.ok_or(wrong)
+        })
     }
+}
+
+/// The nodes of a cubature table, in the form of a version.
+fn read_nodes(bytes: &[u8], version: u32) -> Result<Vec<Node>, FormatError> {
+    if version == VERSION {
+        let (nodes, rest) = bytes.as_chunks::<4>();
+        PartsError::count(Some(0), rest.len())?;
+        return Ok(nodes.iter().map(|&[disc, product, outer, far]| Node { disc, product, outer, far }).collect());
+    }
+    let (nodes, rest) = bytes.as_chunks::<3>();
+    PartsError::count(Some(0), rest.len())?;
+    let node = |(at, node): (usize, &[u8; 3])| {
+        Node::from_version_1(*node).ok_or(FormatError::Parts(PartsError::Number { what: "node", at }))
+    };
+    nodes.iter().enumerate().map(node).collect()
 }
 
 fn floats(values: &[f32]) -> Vec<u8> {

@@ -9,6 +9,7 @@ use crate::batch::CapBatch;
 use crate::cap::Cap;
 use crate::lobe::Lobe;
 use crate::mean::MeanBrdf;
+use crate::parts::PartsError;
 use crate::real::{LANES, Real};
 use core::f64::consts::FRAC_PI_2;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
@@ -29,25 +30,32 @@ pub struct Lobes {
 }
 
 impl Lobes {
-    /// From the numbers of all nodes; `None` when their count is wrong or one cannot belong to a lobe.
-    pub fn new(axes: Axes, count: usize, data: Vec<f32>) -> Option<Self> {
-        let stride = count.checked_mul(LOBE_SIZE)?;
-        if count == 0 || count > LANES || !count.is_multiple_of(GROUP) || stride.checked_mul(axes.len())? != data.len()
-        {
-            return None;
+    /// From the numbers of all nodes.
+    ///
+    /// # Errors
+    /// Their count is wrong, or one cannot belong to a lobe.
+    pub fn new(axes: Axes, count: usize, data: Vec<f32>) -> Result<Self, PartsError> {
+        if count == 0 || count > LANES || !count.is_multiple_of(GROUP) {
+            return Err(PartsError::Size { what: "lobes per node" });
         }
-        let valid = data.chunks(stride).all(|node| {
+        let stride = count * LOBE_SIZE;
+        PartsError::count(stride.checked_mul(axes.len()), data.len())?;
+        PartsError::first("node", data.chunks(stride), |node| {
             let [x, y, z, amplitude, exponent] = core::array::from_fn(|slot| &node[slot * count..][..count]);
             // The exponent magnifies what the axis is longer than 1.
             let unit = |k: usize| (x[k] * x[k] + y[k] * y[k] + z[k] * z[k] - 1.0).abs() < 1e-6;
             (0..count).all(|k| unit(k) && amplitude[k].abs() <= 1e12 && exponent[k] > 0.0 && exponent[k] <= 1e7)
-        });
-        valid.then_some(Self { axes, count, data })
+        })?;
+        Ok(Self { axes, count, data })
     }
 
     /// From one list of lobes per node, each in the mirror frame of its node; short lists are padded with zeros.
-    pub fn from_nodes(axes: Axes, nodes: &[Vec<Lobe>]) -> Option<Self> {
-        let count = nodes.iter().map(Vec::len).max()?.max(1).next_multiple_of(GROUP);
+    ///
+    /// # Errors
+    /// As [`Lobes::new`].
+    pub fn from_nodes(axes: Axes, nodes: &[Vec<Lobe>]) -> Result<Self, PartsError> {
+        PartsError::count(Some(axes.len()), nodes.len())?;
+        let count = nodes.iter().map(Vec::len).max().unwrap_or(0).max(1).next_multiple_of(GROUP);
         let mut data = vec![0f32; axes.len() * count * LOBE_SIZE];
         for (node, lobes) in data.chunks_mut(count * LOBE_SIZE).zip(nodes) {
             for k in 0..count {
@@ -269,7 +277,7 @@ mod tests {
     fn numbers_that_make_no_lobe_are_refused() {
         let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
         let with = |axis: DVec3, amplitude: f64, exponent: f64| {
-            Lobes::from_nodes(axes, &vec![vec![Lobe { axis, amplitude, exponent }]; 4]).is_some()
+            Lobes::from_nodes(axes, &vec![vec![Lobe { axis, amplitude, exponent }]; 4]).is_ok()
         };
         assert!(with(DVec3::Z, -3.0, 1e5));
         assert!(!with(2.0 * DVec3::Z, 1.0, 1.0) && !with(DVec3::ZERO, 1.0, 1.0) && !with(DVec3::NAN, 1.0, 1.0));

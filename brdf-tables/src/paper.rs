@@ -5,6 +5,7 @@ use crate::batch::CapBatch;
 use crate::cap::Cap;
 use crate::lobe::Lobe;
 use crate::mean::MeanBrdf;
+use crate::parts::PartsError;
 use crate::real::Real;
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DVec3, Vec3};
@@ -26,19 +27,30 @@ pub struct Paper {
 }
 
 impl Paper {
-    /// From the coefficients of all cells; `None` when their count is wrong or one is not usable.
-    pub fn new(elevations: usize, solid_angles: usize, count: usize, data: Vec<f32>) -> Option<Self> {
-        let cells = elevations.checked_mul(solid_angles)?;
-        let fits = elevations >= 1 && solid_angles >= 1 && (1..=16).contains(&count);
-        if !fits || cells.checked_mul(count * RAW_SIZE)? != data.len() {
-            return None;
+    /// From the coefficients of all cells.
+    ///
+    /// # Errors
+    /// Their count is wrong, or one is not usable.
+    pub fn new(elevations: usize, solid_angles: usize, count: usize, data: Vec<f32>) -> Result<Self, PartsError> {
+        if elevations < 1 || solid_angles < 1 || !(1..=16).contains(&count) {
+            return Err(PartsError::Size { what: "rows, solid angles or lobes" });
         }
-        let valid = data.chunks(RAW_SIZE).all(|l| l.iter().all(|x| x.is_finite()) && l[3] > 0.0);
-        valid.then_some(Self { elevations, solid_angles, count, data })
+        let cells = elevations.checked_mul(solid_angles);
+        PartsError::count(cells.and_then(|n| n.checked_mul(count * RAW_SIZE)), data.len())?;
+        PartsError::first("lobe", data.chunks(RAW_SIZE), |l| l.iter().all(|x| x.is_finite()) && l[3] > 0.0)?;
+        Ok(Self { elevations, solid_angles, count, data })
     }
 
     /// From one list of `count` lobes per cell, in the frame where the cap has azimuth 0.
-    pub fn from_cells(elevations: usize, solid_angles: usize, count: usize, cells: &[Vec<Lobe>]) -> Option<Self> {
+    ///
+    /// # Errors
+    /// As [`Paper::new`].
+    pub fn from_cells(
+        elevations: usize,
+        solid_angles: usize,
+        count: usize,
+        cells: &[Vec<Lobe>],
+    ) -> Result<Self, PartsError> {
         let mut data = Vec::new();
         for lobes in cells {
             for k in 0..count {
@@ -145,10 +157,10 @@ mod tests {
     #[test]
     fn counts_and_numbers_are_checked() {
         let cell = [-0.3f32, 0.0, 0.9, 20.0];
-        assert!(Paper::new(2, 2, 1, cell.repeat(4)).is_some());
-        assert!(Paper::new(2, 2, 1, cell.repeat(3)).is_none());
-        assert!(Paper::new(usize::MAX, usize::MAX, 16, cell.repeat(4)).is_none());
-        assert!(Paper::new(2, 2, 1, [0.0, 0.0, 1.0, 0.0].repeat(4)).is_none(), "exponent 0");
+        assert!(Paper::new(2, 2, 1, cell.repeat(4)).is_ok());
+        assert!(Paper::new(2, 2, 1, cell.repeat(3)).is_err());
+        assert!(Paper::new(usize::MAX, usize::MAX, 16, cell.repeat(4)).is_err());
+        assert!(Paper::new(2, 2, 1, [0.0, 0.0, 1.0, 0.0].repeat(4)).is_err(), "exponent 0");
         // A large base on one row and a large exponent on the next.
         let steep = [[1e6f32, 0.0, 1e6, 1.0], [1.0, 0.0, 1.0, 1e6]].as_flattened().to_vec();
         let value = Paper::new(2, 1, 1, steep).unwrap().value(&Cap::new(1.2, 0.0, 0.1).unwrap(), spherical(0.7, 0.0));

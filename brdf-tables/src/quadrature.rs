@@ -77,11 +77,8 @@ pub fn mean_brdf(specular: &Specular, cap: &Cap, wo: DVec3, tolerance: f64, scal
             refine(model, self.0, self.1, self.2, self.3, self.4)
         }
     }
-    // The narrowest extent of the lobe over wi: half vectors shrink it by the cosine of the view.
-    let narrowing = match specular {
-        Specular::Phong(_) | Specular::Lafortune(_) => 1.0,
-        Specular::Ward(_) | Specular::Microfacet(_) => wo.z.max(0.02),
-    };
+    // The narrowest extent of the lobe over wi, cut where it would ask for more nodes than there are.
+    let narrowing = specular.narrowing(wo).max(0.02);
     specular.visit(Run(cap, wo, specular.lobe_width() * narrowing, tolerance, scale))
 }
 

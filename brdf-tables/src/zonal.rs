@@ -15,6 +15,7 @@ use crate::brdf::Specular;
 use crate::cap::{Cap, projected_solid_angle};
 use crate::cubature::{Cubature, Rule};
 use crate::mean::MeanBrdf;
+use crate::parts::PartsError;
 use crate::real::{LANES, Real};
 use core::f64::consts::PI;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
@@ -115,16 +116,25 @@ impl ZonalAxes {
 }
 
 impl Zonal {
-    /// A table of `rows` × `columns` pairs (T_P, T_R), row by row in u, for a radial specular model; `None` where the model
-    /// is not radial or the sizes do not fit.
-    pub fn new(specular: Specular, rows: usize, columns: usize, cells: Vec<u32>, scale: [[f64; 2]; 2]) -> Option<Self> {
-        let (amplitude, exponent) = specular.radial_exponent()?;
-        let fits = rows >= 2 && columns >= 2 && rows.checked_mul(columns) == Some(cells.len());
-        if !fits || scale.iter().flatten().any(|x| !x.is_finite() || x.abs() > MAX_SCALE) {
-            return None;
+    /// A table of `rows` × `columns` pairs (T_P, T_R), row by row in u, for a radial specular model.
+    ///
+    /// # Errors
+    /// The model is not radial, the sizes do not fit, or a scale is out of range.
+    pub fn new(
+        specular: Specular,
+        rows: usize,
+        columns: usize,
+        cells: Vec<u32>,
+        scale: [[f64; 2]; 2],
+    ) -> Result<Self, PartsError> {
+        let (amplitude, exponent) = specular.radial_exponent().ok_or(PartsError::NotRadial)?;
+        if rows < 2 || columns < 2 {
+            return Err(PartsError::Size { what: "rows or columns" });
         }
+        PartsError::count(rows.checked_mul(columns), cells.len())?;
+        PartsError::first("scale", scale.iter().flatten(), |x| x.is_finite() && x.abs() <= MAX_SCALE)?;
         let clipped = Cubature::uniform(specular, clipping_rule(exponent));
-        Some(Self { amplitude, exponent, columns, rows, cells, scale, clipped })
+        Ok(Self { amplitude, exponent, columns, rows, cells, scale, clipped })
     }
 
     /// Rows (u), columns (v), the packed pairs and their scale, as [`Zonal::new`] takes them.
@@ -355,10 +365,10 @@ mod tests {
         let make = |scale, cells| {
             Zonal::new(Specular::Phong(Phong { exponent: 5.0 }), 2, 2, vec![0; cells], [[0.0, scale]; 2])
         };
-        assert!(make(1.0, 4).is_some() && make(1.0, 5).is_none());
-        assert!(make(f64::NAN, 4).is_none() && make(1e9, 4).is_none());
+        assert!(make(1.0, 4).is_ok() && make(1.0, 5).is_err());
+        assert!(make(f64::NAN, 4).is_err() && make(1e9, 4).is_err());
         let rough =
             crate::brdf::ALL.iter().flat_map(|m| (m.examples)()).find(|s| s.radial_exponent().is_none()).unwrap();
-        assert!(Zonal::new(rough, 2, 2, vec![0; 4], [[0.0, 1.0]; 2]).is_none());
+        assert!(Zonal::new(rough, 2, 2, vec![0; 4], [[0.0, 1.0]; 2]).is_err());
     }
 }

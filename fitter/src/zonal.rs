@@ -106,7 +106,7 @@ pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
     let scale = [range(|v| v.0), range(|v| v.1)];
     let pack = |x: f64, [lo, step]: [f64; 2]| ((x - lo) / step).round().clamp(0.0, 65535.0) as u32;
     let cells = values.iter().map(|&(p, r)| pack(p, scale[0]) | pack(r, scale[1]) << 16).collect();
-    Zonal::new(specular, rows, columns, cells, scale)
+    Zonal::new(specular, rows, columns, cells, scale).ok()
 }
 
 /// Nodes moved so that the bilinear interpolant is right on average over each cell, not at its corners: a line between

@@ -123,7 +123,7 @@ fn every_length_of_batch() {
             for length in [0, 1, 15, 16, 17, 255, 256, 257, 1000, 3] {
                 batch.clear();
                 assert!(batch.is_empty());
-                caps[..length].iter().for_each(|c| batch.push(c.axis().as_vec3(), c.solid_angle() as f32));
+                caps[..length].iter().for_each(|c| batch.push_nearest(c.axis().as_vec3(), c.solid_angle() as f32));
                 assert_eq!(batch.len(), length);
                 let mut out = vec![-1f32; length + 5];
                 table.values(&batch, wo, &mut out);
@@ -157,10 +157,10 @@ fn nothing_foreign_gets_through_a_batch() {
     let mut foreign = CapBatch::default();
     let mut clean = CapBatch::default();
     for (axis, omega) in axes.iter().flat_map(|a| solid_angles.map(|o| (*a, o))) {
-        foreign.push(neighbour.0, neighbour.1);
-        foreign.push(axis, omega);
-        clean.push(neighbour.0, neighbour.1);
-        clean.push(neighbour.0, neighbour.1);
+        foreign.push_nearest(neighbour.0, neighbour.1);
+        foreign.push_nearest(axis, omega);
+        clean.push_nearest(neighbour.0, neighbour.1);
+        clean.push_nearest(neighbour.0, neighbour.1);
     }
     for (specular, name) in examples() {
         for table in tables(specular) {

@@ -1,12 +1,16 @@
 //! The file: what is written reads back, and what is damaged is refused with one clear line.
 
 use super::{any_cap, rng};
-use crate::hostile::{absurd_headers, crc32, header_range, sealed, tables};
+use crate::hostile::{absurd_headers, crc32, header_range, sealed, table, tables};
+use brdf_tables::brdf::{Phong, Specular};
 use brdf_tables::cap::Cap;
+use brdf_tables::cubature::RULES;
 use brdf_tables::format::{FormatError, MAGIC, VERSION};
 use brdf_tables::frame::spherical;
-use brdf_tables::table::Table;
+use brdf_tables::table::{Representation, Table};
+use brdf_tables::zonal::Zonal;
 use std::fs;
+use std::path::Path;
 
 /// What is accepted, however odd, answers every query with a number.
 fn answers(table: &Table) {
@@ -47,6 +51,67 @@ fn bytes_round_trip() {
         assert_eq!(checksum, crc32(content).to_le_bytes());
         assert!(header_range(&bytes).end <= content.len());
         answers(&table);
+    }
+}
+
+/// [`tables`] by the names of their files in `tests/golden`, made of numbers that no library computes.
+fn golden() -> Vec<(&'static str, Table)> {
+    let phong = Specular::Phong(Phong { exponent: 20.0 });
+    let zonal =
+        Zonal::new(phong, 3, 2, (0..6).map(|i| i * 0x0101_0011).collect(), [[-0.5, 2e-5], [0.0, 1e-5]]).unwrap();
+    let mut tables = tables();
+    tables[1] = table(Some(phong), Representation::Zonal(zonal));
+    ["diffuse", "zonal", "cubature", "lobes", "paper"].into_iter().zip(tables).collect()
+}
+
+/// The format is public: these bytes never change while the version is the same, and stay readable in the next. A new version
+/// moves them to a name of their own; `BLESS=1` writes those that are wrong or missing.
+#[test]
+fn golden_bytes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");
+    for (name, table) in golden() {
+        let (path, bytes) = (folder.join(format!("{name}.tbl")), table.to_bytes().unwrap());
+        if std::env::var_os("BLESS").is_some() {
+            fs::write(&path, &bytes).unwrap();
+        }
+        let stored = fs::read(&path).unwrap();
+        assert!(stored == bytes, "{name}: other bytes than {}", path.display());
+        assert_eq!(Table::from_bytes(&stored).unwrap(), table, "{name}");
+    }
+}
+
+/// Version 1 had three bytes for a node of a cubature table, an order among them, and was otherwise the same.
+#[test]
+fn the_version_before_is_read() {
+    for (name, table) in golden() {
+        let mut bytes = table.to_bytes().unwrap();
+        bytes[8..12].copy_from_slice(&1u32.to_le_bytes());
+        if name == "cubature" {
+            let nodes = 18;
+            bytes.truncate(bytes.len() - 4 - 4 * nodes);
+            for i in 0..nodes {
+                // Orders 1 to 16.
+                bytes.extend([i as u8 % 10, 50, 200]);
+            }
+            bytes.extend([0; 4]);
+        }
+        let back = Table::from_bytes(&sealed(bytes.clone())).unwrap();
+        assert_eq!(back.header, table.header);
+        answers(&back);
+        if let Representation::Cubature(cubature) = &back.representation {
+            let products = cubature.parts().1.iter().take(10).map(|n| RULES[usize::from(n.product)].evaluations());
+            assert_eq!(products.collect::<Vec<_>>(), [16, 16, 16, 16, 25, 36, 64, 100, 144, 256]);
+            let end = bytes.len() - 4;
+            bytes[end - 3] = 10;
+            assert!(refused(&sealed(bytes)).to_string().contains("node 17"));
+        } else {
+            assert_eq!(back, table);
+        }
+    }
+    let mut bytes = golden()[0].1.to_bytes().unwrap();
+    for version in [0, 3, u32::MAX] {
+        bytes[8..12].copy_from_slice(&version.to_le_bytes());
+        assert!(matches!(refused(&sealed(bytes.clone())), FormatError::Version(v) if v == version));
     }
 }
 

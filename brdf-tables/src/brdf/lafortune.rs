@@ -1,7 +1,7 @@
 //! Lafortune 1997: a sum of generalised cosine lobes.
 
-use super::specular::FormulaVisitor;
-use super::{Brdf, Formula, Key, Kind, Model, Presence, Specular, Value, Values};
+use super::{Brdf, Footprint, Formula, FormulaVisitor, Fresnel, GrayPolynomial, Key, Kind};
+use super::{Model, Outgoing, Presence, Profile, Specular, Value, Values};
 use crate::frame::basis;
 use crate::material::MaterialError;
 use crate::real::{Constant, Real};
@@ -74,10 +74,6 @@ impl Lafortune {
         &self.lobes[..self.count]
     }
 
-    pub(super) fn values(&self) -> (&'static str, Values) {
-        ("lafortune", Values(vec![("lobes", Value::Lobes(self.lobes().to_vec()))]))
-    }
-
     /// Axis of each lobe of wi seen from `wo` (not a unit vector), its exponent, and its integral over the sphere.
     fn seen_from(&self, wo: DVec3) -> impl Iterator<Item = (DVec3, f64, f64)> {
         self.lobes().iter().map(move |&[cx, cy, cz, n]| {
@@ -124,10 +120,44 @@ impl<const COUNT: usize> Formula for Lobes<COUNT> {
     }
 }
 
-impl Lafortune {
-    /// Runs `visitor` on the formula compiled for this number of lobes.
+impl Profile for Lafortune {
+    fn values(&self) -> (&'static str, Values) {
+        ("lafortune", Values(vec![("lobes", Value::Lobes(self.lobes().to_vec()))]))
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.lobes().iter().all(|l| l[0] == l[1])
+    }
+
+    fn lobe_width(&self) -> f64 {
+        1.0 / self.lobes().iter().fold(0f64, |n, l| n.max(l[3])).sqrt()
+    }
+
+    fn narrowing(&self, _: DVec3) -> f64 {
+        1.0
+    }
+
+    /// Of the sharpest lobe.
+    fn footprint(&self, view: &Outgoing) -> Footprint {
+        let [cx, cy, cz, n] = self.lobes().iter().fold([0.0; 4], |s, l| if l[3] > s[3] { *l } else { s });
+        let (c, s) = view.rotation;
+        let x = cx * c * c + cy * s * s;
+        Footprint::cosine(view, DVec2::new(x * view.sin_o, cz * view.cos_o), n)
+    }
+
+    fn radial_exponent(&self) -> Option<(f64, f64)> {
+        match *self.lobes() {
+            [[cx, cy, cz, n]] if cz > 0.0 && cx == -cz && cy == -cz => Some((cz.powf(n), n)),
+            _ => None,
+        }
+    }
+
+    fn fresnel(&self) -> Option<&Fresnel> {
+        None
+    }
+
     #[inline(always)]
-    pub(super) fn visit_formula<V: FormulaVisitor>(&self, visitor: V) -> V::Output {
+    fn visit_formula<V: FormulaVisitor>(&self, _: Option<&GrayPolynomial>, visitor: V) -> V::Output {
         match self.count {
             1 => visitor.visit(&Lobes::<1>::new(self)),
             2 => visitor.visit(&Lobes::<2>::new(self)),

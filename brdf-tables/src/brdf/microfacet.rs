@@ -1,9 +1,8 @@
 //! Microfacet reflection with Beckmann or GGX facets, isotropic or anisotropic.
 
-use super::fresnel::GrayPolynomial;
 use super::model::ALPHA;
-use super::specular::FormulaVisitor;
-use super::{Brdf, Formula, Fresnel, Key, Model, Presence, Specular, Value, Values, half_vector};
+use super::{Brdf, Footprint, Formula, FormulaVisitor, Fresnel, GrayPolynomial, Key};
+use super::{Model, Outgoing, Presence, Profile, Specular, Value, Values, half_vector};
 use crate::material::MaterialError;
 use crate::real::{Constant, Real};
 use core::f64::consts::{LOG2_E, PI};
@@ -104,26 +103,6 @@ fn examples(distribution: Distribution) -> Vec<Specular> {
     ];
     let model = |(alpha_x, alpha_y, fresnel)| Microfacet { distribution, alpha_x, alpha_y, fresnel };
     instances.map(|instance| Specular::Microfacet(model(instance))).to_vec()
-}
-
-impl Microfacet {
-    pub(super) fn values(&self) -> (&'static str, Values) {
-        let model = match self.distribution {
-            Distribution::Beckmann => "beckmann",
-            Distribution::Ggx => "ggx",
-        };
-        let mut values = if self.alpha_x == self.alpha_y {
-            vec![("alpha", Value::Number(self.alpha_x))]
-        } else {
-            vec![("alpha_x", Value::Number(self.alpha_x)), ("alpha_y", Value::Number(self.alpha_y))]
-        };
-        match self.fresnel {
-            Fresnel::None => {}
-            Fresnel::Schlick { f0 } => values.push(("f0", Value::Color(f0))),
-            Fresnel::Conductor { eta, k } => values.extend([("eta", Value::Color(eta)), ("k", Value::Color(k))]),
-        }
-        (model, Values(values))
-    }
 }
 
 /// Reflectance of the facets in a kernel.
@@ -243,11 +222,51 @@ impl<const GGX: bool, R: Reflectance> Formula for Facets<'_, GGX, R> {
     }
 }
 
-impl Microfacet {
-    /// Runs `visitor` on the formula compiled for this distribution and kind of reflectance; `gray` stands for the Fresnel
-    /// term, if it is there.
+impl Profile for Microfacet {
+    fn values(&self) -> (&'static str, Values) {
+        let model = match self.distribution {
+            Distribution::Beckmann => "beckmann",
+            Distribution::Ggx => "ggx",
+        };
+        let mut values = if self.alpha_x == self.alpha_y {
+            vec![("alpha", Value::Number(self.alpha_x))]
+        } else {
+            vec![("alpha_x", Value::Number(self.alpha_x)), ("alpha_y", Value::Number(self.alpha_y))]
+        };
+        match self.fresnel {
+            Fresnel::None => {}
+            Fresnel::Schlick { f0 } => values.push(("f0", Value::Color(f0))),
+            Fresnel::Conductor { eta, k } => values.extend([("eta", Value::Color(eta)), ("k", Value::Color(k))]),
+        }
+        (model, Values(values))
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.alpha_x == self.alpha_y
+    }
+
+    fn lobe_width(&self) -> f64 {
+        (2.0 * self.alpha_x * self.alpha_y).sqrt()
+    }
+
+    fn narrowing(&self, wo: DVec3) -> f64 {
+        wo.z
+    }
+
+    fn footprint(&self, view: &Outgoing) -> Footprint {
+        Footprint::slopes(view, self.alpha_x, self.alpha_y, self.distribution == Distribution::Ggx)
+    }
+
+    fn radial_exponent(&self) -> Option<(f64, f64)> {
+        None
+    }
+
+    fn fresnel(&self) -> Option<&Fresnel> {
+        Some(&self.fresnel).filter(|f| **f != Fresnel::None)
+    }
+
     #[inline(always)]
-    pub(super) fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output {
+    fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output {
         match (self.distribution, self.fresnel, gray) {
             (Distribution::Ggx, Fresnel::None, _) => visitor.visit(&Facets::<true, _>::new(self, &Mirror)),
             (Distribution::Ggx, _, Some(gray)) => visitor.visit(&Facets::<true, _>::new(self, gray)),

@@ -1,24 +1,31 @@
 //! Reflection models: one per file, all behind [`Brdf`], all in [`ALL`].
+//!
+//! A new model is a file with its formula ([`Formula`]), sampling ([`Brdf`]) and what it knows of itself (`Profile`), and a
+//! line in the list of `specular.rs`.
 
+mod footprint;
 mod fresnel;
 mod lafortune;
 mod microfacet;
 mod model;
 mod phong;
+mod sheen;
 mod specular;
 mod ward;
 
 use crate::real::Real;
 use glam::{DVec2, DVec3};
 
+pub use footprint::Footprint;
+pub(crate) use footprint::Outgoing;
 pub use fresnel::Fresnel;
 pub(crate) use fresnel::GrayPolynomial;
 pub use lafortune::{Lafortune, MAX_LOBES};
 pub use microfacet::{Distribution, Microfacet};
-pub use model::{ALL, Exception, Key, Kind, Model, Presence, Value, Values};
+pub use model::{Exception, Key, Kind, Model, Presence, Value, Values};
 pub use phong::Phong;
-pub(crate) use specular::FormulaVisitor;
-pub use specular::{Specular, Visitor};
+pub use sheen::Sheen;
+pub use specular::{ALL, Specular, Visitor};
 pub use ward::{Ward, WardVariant};
 
 /// Half vector of two directions of the upper hemisphere and the cosine between it and either of them; `None` where one
@@ -59,4 +66,33 @@ pub trait Formula {
     fn rest<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         self.f(wi, wo)
     }
+}
+
+/// What a model knows of itself beside its formula. Nothing here has a default: a model that forgets one does not compile.
+pub(crate) trait Profile: Brdf + Formula {
+    /// Model name and values of the recipe.
+    fn values(&self) -> (&'static str, Values);
+    /// As [`Specular::is_isotropic`].
+    fn is_isotropic(&self) -> bool;
+    /// As [`Specular::lobe_width`], without its limit.
+    fn lobe_width(&self) -> f64;
+    /// As [`Specular::narrowing`].
+    fn narrowing(&self, wo: DVec3) -> f64;
+    /// Where the lobe seen from a direction lies.
+    fn footprint(&self, view: &Outgoing) -> Footprint;
+    /// As [`Specular::radial_exponent`].
+    fn radial_exponent(&self) -> Option<(f64, f64)>;
+    /// As [`Specular::fresnel`].
+    fn fresnel(&self) -> Option<&Fresnel>;
+    /// Runs `visitor` on the formula, compiled for this variant of the model; `gray` stands for the Fresnel term, if it is
+    /// there.
+    fn visit_formula<V: FormulaVisitor>(&self, gray: Option<&GrayPolynomial>, visitor: V) -> V::Output;
+}
+
+/// As [`Visitor`], for code that needs the formula only and is worth compiling for each variant of a model.
+pub(crate) trait FormulaVisitor {
+    /// What the visit returns.
+    type Output;
+    /// Runs on the formula.
+    fn visit<F: Formula>(self, formula: &F) -> Self::Output;
 }

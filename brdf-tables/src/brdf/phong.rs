@@ -1,6 +1,7 @@
 //! Modified Phong (Lewis 1993), normalised to unit albedo at normal incidence.
 
-use super::{Brdf, Formula, Key, Model, Presence, Specular, Value, Values};
+use super::{Brdf, Footprint, Formula, FormulaVisitor, Fresnel, GrayPolynomial};
+use super::{Key, Model, Outgoing, Presence, Profile, Specular, Value, Values};
 use crate::frame::{basis, mirror};
 use crate::real::Real;
 use core::f64::consts::PI;
@@ -25,9 +26,38 @@ pub(super) const MODEL: Model = Model {
     exceptions: &[],
 };
 
-impl Phong {
-    pub(super) fn values(&self) -> (&'static str, Values) {
+impl Profile for Phong {
+    fn values(&self) -> (&'static str, Values) {
         ("phong", Values(vec![("exponent", Value::Number(self.exponent))]))
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
+    fn lobe_width(&self) -> f64 {
+        1.0 / self.exponent.sqrt()
+    }
+
+    fn narrowing(&self, _: DVec3) -> f64 {
+        1.0
+    }
+
+    fn footprint(&self, view: &Outgoing) -> Footprint {
+        Footprint::cosine(view, DVec2::new(-view.sin_o, view.cos_o), self.exponent)
+    }
+
+    fn radial_exponent(&self) -> Option<(f64, f64)> {
+        Some(((self.exponent + 2.0) / (2.0 * PI), self.exponent))
+    }
+
+    fn fresnel(&self) -> Option<&Fresnel> {
+        None
+    }
+
+    #[inline(always)]
+    fn visit_formula<V: FormulaVisitor>(&self, _: Option<&GrayPolynomial>, visitor: V) -> V::Output {
+        visitor.visit(self)
     }
 }
 

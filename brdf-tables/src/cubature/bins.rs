@@ -5,6 +5,7 @@
 
 use super::rule::{NONE, RULES, Rule};
 use crate::axis::Axes;
+use crate::parts::PartsError;
 use crate::real::Real;
 use core::f64::consts::{PI, TAU};
 use core::fmt;
@@ -36,6 +37,15 @@ impl Node {
         let rule = |index: u8| RULES.get(usize::from(index));
         (self.disc == NONE || matches!(rule(self.disc), Some(Rule::Disc(_))))
             && matches!(rule(self.product), Some(Rule::Product(_)))
+    }
+
+    /// What version 1 of the format said of a node: the order of a product rule and the angles beyond which a product of
+    /// 2 × 2 nodes and the BRDF at the axis did. A disc of 4 is no better than that product: it begins where the BRDF does.
+    pub(crate) fn from_version_1([order, _, far]: [u8; 3]) -> Option<Self> {
+        const ORDERS: [usize; 10] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16];
+        let least = *ORDERS.get(usize::from(order))?;
+        let product = RULES.iter().position(|rule| matches!(rule, Rule::Product(n) if *n >= least))?;
+        Some(Self { disc: NONE, product: product as u8, outer: far, far })
     }
 
     /// The larger of each number.
@@ -91,11 +101,13 @@ impl fmt::Debug for Bins {
 }
 
 impl Bins {
-    /// From the nodes of `axes`; `None` when the index of a rule or the count is wrong.
-    pub fn new(axes: Axes, nodes: &[Node]) -> Option<Self> {
-        if nodes.len() != axes.len() || !nodes.iter().all(|n| n.is_valid()) {
-            return None;
-        }
+    /// From the nodes of `axes`.
+    ///
+    /// # Errors
+    /// The index of a rule or the count is wrong.
+    pub fn new(axes: Axes, nodes: &[Node]) -> Result<Self, PartsError> {
+        PartsError::count(Some(axes.len()), nodes.len())?;
+        PartsError::first("node", nodes, |n| n.is_valid())?;
         let azimuths = if axes.phi == 1 { 1 } else { AZIMUTHS };
         let mut cells = Vec::with_capacity(COSINES * azimuths * HEIGHTS);
         let cosine = |i: usize| i as f64 / COSINES as f64;
@@ -130,7 +142,7 @@ impl Bins {
             }
         }
         let finest = nodes.iter().map(|n| n.product).max().unwrap_or(0);
-        Some(Self { azimuths, cells, finest })
+        Ok(Self { azimuths, cells, finest })
     }
 
     /// The finest product rule.
@@ -256,7 +268,7 @@ mod tests {
     fn wrong_nodes_are_refused() {
         let axes = Axes { theta: 2, phi: 1, omega: 2, sharpness: 1.0, stretch: 1.0 };
         let node = |disc, product| Node { disc, product, outer: 0, far: 0 };
-        let accepted = |node, count| Bins::new(axes, &vec![node; count]).is_some();
+        let accepted = |node, count| Bins::new(axes, &vec![node; count]).is_ok();
         assert!(accepted(node(3, 7), 4) && accepted(node(NONE, 14), 4));
         assert!(!accepted(node(3, 7), 3));
         for (disc, product) in [(7, 7), (3, 3), (3, NONE), (NONE + 1, 7), (255, 255)] {

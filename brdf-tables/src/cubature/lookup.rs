@@ -3,9 +3,9 @@
 use super::bins::FAR;
 use super::disc::disc;
 use super::rule::{Nodes, Numbers, RULES, numbers};
-use super::{Cubature, Footprint, Side, holds_pole, numerator};
+use super::{Cubature, Side, holds_pole, numerator};
 use crate::batch::{CHUNK, CapBatch, Picked};
-use crate::brdf::{Brdf, Formula, Visitor};
+use crate::brdf::{Brdf, Footprint, Formula, Visitor};
 use crate::cap::projected_solid_angle;
 use crate::real::{LANES, Real};
 use core::ops::Range;
@@ -28,7 +28,7 @@ pub struct View {
 impl View {
     /// From `wo`.
     pub fn new(table: &Cubature, wo: DVec3) -> Self {
-        let (lobe, rotation) = Footprint::new(&table.specular, wo);
+        let (lobe, rotation) = table.specular.footprint(wo);
         let none = (1.0, 0.0);
         let (disc, turn) = if table.isotropic {
             (([lobe.sin_o, 0.0, lobe.cos_o], rotation), none)

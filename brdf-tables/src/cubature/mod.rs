@@ -14,18 +14,16 @@
 
 mod bins;
 mod disc;
-mod footprint;
 mod lookup;
 mod rule;
 mod spread;
 mod table;
 
 pub use bins::{Node, OUTER};
-pub use footprint::Footprint;
 pub use rule::{Grid, NONE, RULES, Rule};
 pub use table::Cubature;
 
-use crate::brdf::Formula;
+use crate::brdf::{Footprint, Formula};
 use crate::real::Real;
 use core::f64::consts::FRAC_PI_2;
 

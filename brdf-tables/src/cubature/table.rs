@@ -10,6 +10,7 @@ use crate::batch::{CapBatch, MIN_HEIGHT};
 use crate::brdf::{Brdf, Formula, FormulaVisitor, GrayPolynomial, Specular, Visitor};
 use crate::cap::Cap;
 use crate::mean::MeanBrdf;
+use crate::parts::PartsError;
 use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec3};
 
@@ -25,12 +26,15 @@ pub struct Cubature {
 }
 
 impl Cubature {
-    /// From the nodes of `axes`; `None` when the index of a rule or the count is wrong.
-    pub fn new(specular: Specular, axes: Axes, nodes: &[Node]) -> Option<Self> {
+    /// From the nodes of `axes`.
+    ///
+    /// # Errors
+    /// The index of a rule or the count is wrong.
+    pub fn new(specular: Specular, axes: Axes, nodes: &[Node]) -> Result<Self, PartsError> {
         let bins = Bins::new(axes, nodes)?;
         let isotropic = specular.is_isotropic();
         let gray = specular.gray_polynomial();
-        Some(Self { specular, gray, isotropic, axes, nodes: nodes.to_vec(), bins })
+        Ok(Self { specular, gray, isotropic, axes, nodes: nodes.to_vec(), bins })
     }
 
     /// Grid and nodes, as [`Cubature::new`] takes them.

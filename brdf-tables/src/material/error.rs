@@ -4,6 +4,7 @@ use super::model_names;
 
 /// Why a material is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MaterialError {
     /// A parameter is not a number of its range.
     #[error("{key} is {value}, outside {min}..={max}")]

@@ -82,7 +82,7 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitE
         .collect();
     let cells: Vec<CellFit> = rows.into_iter().flatten().collect();
     let nodes: Vec<Vec<Lobe>> = cells.iter().map(|c| c.lobes.clone()).collect();
-    let table = Lobes::from_nodes(axes, &nodes).ok_or(FitError::Diverged)?;
+    let table = Lobes::from_nodes(axes, &nodes).map_err(|_| FitError::Diverged)?;
     Ok(Fitted { representation: Representation::Lobes(table), notes: vec![describe(options.solver, &cells)] })
 }
 

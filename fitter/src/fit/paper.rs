@@ -57,6 +57,6 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitE
         .enumerate()
         .map(|(i, cell)| cell.lobes.iter().map(|lobe| to_surface(i / SOLID_ANGLES + 1, lobe)).collect())
         .collect();
-    let table = Paper::from_cells(ELEVATIONS, SOLID_ANGLES, count, &lobes).ok_or(FitError::Diverged)?;
+    let table = Paper::from_cells(ELEVATIONS, SOLID_ANGLES, count, &lobes).map_err(|_| FitError::Diverged)?;
     Ok(Fitted { representation: Representation::Paper(table), notes: vec![describe(options.solver, &cells)] })
 }

@@ -4,31 +4,33 @@ use super::{Scatter, Split, Value, mirror};
 use crate::frame::{Frame, cosine_hemisphere};
 use crate::math::sin_cos_turn;
 use crate::scene::Rgb;
-use brdf_tables::brdf::{Formula, Phong, Ward};
+use brdf_tables::brdf::{Brdf, Formula, Phong, Specular, Visitor, Ward};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
 /// The specular part at unit strength.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Lobe {
+pub(crate) enum Lobe<'a> {
     Phong(Phong),
     Ward(Ward),
+    /// A model that nothing is known of here.
+    Any(&'a Specular),
 }
 
 /// kd/π + ks · lobe.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Glossy {
+pub(crate) struct Glossy<'a> {
     /// kd.
     pub diffuse: Rgb,
     /// ks.
     pub specular: Rgb,
-    pub lobe: Lobe,
+    pub lobe: Lobe<'a>,
     /// Probability of sampling the diffuse part.
     pub p_diffuse: f32,
 }
 
-impl Glossy {
-    pub fn new(diffuse: Rgb, specular: Rgb, lobe: Lobe) -> Self {
+impl<'a> Glossy<'a> {
+    pub fn new(diffuse: Rgb, specular: Rgb, lobe: Lobe<'a>) -> Self {
         let p_diffuse = super::share(super::mean(diffuse), super::mean(specular));
         Self { diffuse, specular, lobe, p_diffuse }
     }
@@ -36,6 +38,7 @@ impl Glossy {
     #[inline(always)]
     pub fn value(&self, wo: Vec3A, wi: Vec3A) -> Value {
         let (f, pdf) = match &self.lobe {
+            Lobe::Any(model) => return self.any(model, wo, wi),
             // The density of the cosine lobe is f (n+1)/(n+2).
             Lobe::Phong(m) => {
                 let f = m.f(wi.to_array(), wo.to_array());
@@ -47,6 +50,27 @@ impl Glossy {
         Value {
             f: Split { diffuse: self.diffuse * FRAC_1_PI, glossy: self.specular * f },
             pdf: self.p_diffuse * wi.z * FRAC_1_PI + (1.0 - self.p_diffuse) * pdf,
+        }
+    }
+
+    /// The value for a model that has a Fresnel term of its own, perhaps, and does all but its formula in f64.
+    fn any(&self, model: &Specular, wo: Vec3A, wi: Vec3A) -> Value {
+        struct At(Vec3A, Vec3A);
+        impl Visitor for At {
+            type Output = f32;
+            #[inline(always)]
+            fn visit<M: Brdf + Formula>(self, model: &M) -> f32 {
+                model.f(self.0.to_array(), self.1.to_array())
+            }
+        }
+        let [i, o] = [wi, wo].map(|w| w.as_dvec3());
+        let tint = model.tint(i, o).map(|x| x as f32);
+        Value {
+            f: Split {
+                diffuse: self.diffuse * FRAC_1_PI,
+                glossy: self.specular * Rgb::from_array(tint) * model.visit(At(wi, wo)),
+            },
+            pdf: self.p_diffuse * wi.z * FRAC_1_PI + (1.0 - self.p_diffuse) * model.pdf(i, o) as f32,
         }
     }
 
@@ -72,6 +96,7 @@ impl Glossy {
                 }
                 2.0 * wo.dot(h) * h - wo
             }
+            Lobe::Any(model) => model.sample(wo.as_dvec3(), u.as_dvec2())?.as_vec3a(),
         };
         (wi.z > 0.0).then_some(Scatter::Direction(wi))
     }

@@ -118,7 +118,7 @@ pub(crate) enum Scatter {
 pub(crate) enum Model<'a> {
     Absorb,
     Diffuse(Rgb),
-    Glossy(Glossy),
+    Glossy(Glossy<'a>),
     Mirror(Mirror),
     RoughMetal(RoughMetal),
     Dielectric(Dielectric),

@@ -80,7 +80,7 @@ impl World {
     }
 
     #[inline(always)]
-    fn model(&self, id: MaterialId, material: &Material, at: &Interaction, wo: Vec3A) -> Model<'_> {
+    fn model<'a>(&'a self, id: MaterialId, material: &'a Material, at: &Interaction, wo: Vec3A) -> Model<'a> {
         let (textures, uv) = (&self.scene.textures[..], &at.coordinates);
         match material {
             Material::Diffuse { reflectance } => Model::Diffuse(reflectance.eval(textures, uv)),
@@ -100,6 +100,9 @@ impl World {
                 let alpha = |a: &crate::scene::FloatTexture| f64::from(a.eval(textures, uv).max(1e-3));
                 let lobe = Ward { alpha_x: alpha(alpha_u), alpha_y: alpha(alpha_v), variant };
                 Model::Glossy(Glossy::new(diffuse.eval(textures, uv), specular.eval(textures, uv), Lobe::Ward(lobe)))
+            }
+            Material::Lobe { diffuse, specular, model } => {
+                Model::Glossy(Glossy::new(diffuse.eval(textures, uv), specular.eval(textures, uv), Lobe::Any(model)))
             }
             Material::Conductor { eta, k, specular } => {
                 let [eta, k, specular] = [eta, k, specular].map(|c| c.eval(textures, uv));

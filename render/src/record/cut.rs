@@ -79,7 +79,7 @@ impl Reflected {
     fn new(tree: &Tree, reflector: &Reflector, directions: &[Vec3A]) -> Self {
         let nodes = tree.nodes();
         let mut caps = CapBatch::with_capacity(nodes.len());
-        nodes.iter().for_each(|n| caps.push(n.direction.into(), n.solid_angle));
+        nodes.iter().for_each(|n| caps.push_nearest(n.direction.into(), n.solid_angle));
         let mut mean = vec![0.0; nodes.len()];
         let mut values = vec![Rgb::ZERO; nodes.len() * directions.len()];
         for (k, wo) in directions.iter().enumerate() {

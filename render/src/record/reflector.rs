@@ -1,7 +1,7 @@
 //! What a record reflects with: a fitted table and the colours of its two parts.
 
 use crate::scene::Rgb;
-use brdf_tables::brdf::{Fresnel, Specular};
+use brdf_tables::brdf::Specular;
 use brdf_tables::cap::Cap;
 use brdf_tables::table::Table;
 use core::f32::consts::{FRAC_1_PI, FRAC_PI_2};
@@ -35,13 +35,10 @@ impl Reflector<'_> {
 /// Colour of the Fresnel term of a model for light from `wi`, both directions local.
 #[inline]
 pub fn fresnel_tint(specular: &Specular, wi: Vec3A, wo: Vec3A) -> Rgb {
-    match specular {
-        Specular::Microfacet(m) if m.fresnel != Fresnel::None => {
-            let tint = m.fresnel.tint(f64::from((0.5 * (wi + wo).length()).min(1.0)));
-            Rgb::from_array(tint.map(|x| x as f32))
-        }
-        _ => Rgb::ONE,
-    }
+    specular.fresnel().map_or(Rgb::ONE, |fresnel| {
+        let tint = fresnel.tint(f64::from((0.5 * (wi + wo).length()).min(1.0)));
+        Rgb::from_array(tint.map(|x| x as f32))
+    })
 }
 
 /// Directional albedo and support of the specular part at unit strength, tabulated once per material.

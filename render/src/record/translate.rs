@@ -77,7 +77,7 @@ impl Scratch {
     /// A source to look up; `area` is its projected solid angle, 0 where the estimator does not know it.
     #[inline]
     fn add(&mut self, seen: &Seen, area: f32, tint: Rgb) {
-        self.caps.push(seen.direction.into(), seen.solid_angle);
+        self.caps.push_nearest(seen.direction.into(), seen.solid_angle);
         self.light.push(seen.irradiance * tint);
         self.area.push(area);
     }

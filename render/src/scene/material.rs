@@ -1,6 +1,7 @@
 //! How surfaces scatter light: Mitsuba's plugins, with its semantics (one-sided unless transmissive or `TwoSided`).
 
 use super::{ColorTexture, FloatTexture, Rgb, TextureId};
+use brdf_tables::Specular;
 use serde::{Deserialize, Serialize};
 
 /// Index into [`super::Scene::materials`].
@@ -57,6 +58,15 @@ pub enum Material {
         alpha_u: FloatTexture,
         /// Roughness along v.
         alpha_v: FloatTexture,
+    },
+    /// kd/π + ks · a model of `brdf-tables` with the same parameters everywhere: those that Mitsuba has no plugin for.
+    Lobe {
+        /// kd.
+        diffuse: ColorTexture,
+        /// ks.
+        specular: ColorTexture,
+        /// The model.
+        model: Specular,
     },
     /// Smooth metal; a perfect mirror has eta = 0, k = 1.
     Conductor {

@@ -67,6 +67,7 @@ impl Material {
             }
             Self::Phong { diffuse: a, specular: b, .. }
             | Self::Ward { diffuse: a, specular: b, .. }
+            | Self::Lobe { diffuse: a, specular: b, .. }
             | Self::Plastic { diffuse: a, specular: b, .. }
             | Self::RoughPlastic { diffuse: a, specular: b, .. }
             | Self::Dielectric { reflectance: a, transmittance: b, .. }

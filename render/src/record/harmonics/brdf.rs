@@ -199,10 +199,7 @@ pub struct Summary {
 
 /// Projects f_r cosθ for one outgoing direction by a product rule that resolves the lobe.
 fn texel(specular: &Specular, basis: Basis, isotropic: bool, choice: OrderChoice, wo: DVec3) -> Texel {
-    let narrowing = match specular {
-        Specular::Phong(_) | Specular::Lafortune(_) => 1.0,
-        Specular::Ward(_) | Specular::Microfacet(_) => wo.z.max(0.25),
-    };
+    let narrowing = specular.narrowing(wo).max(0.25);
     let rings = (8.0 / (specular.lobe_width() * narrowing)).clamp(48.0, 256.0) as usize;
     let azimuths = 2 * rings;
     // Isotropic lobes are even in φ.

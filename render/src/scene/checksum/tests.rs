@@ -6,6 +6,7 @@ use super::super::{
     Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
 };
 use super::*;
+use brdf_tables::brdf::{Sheen, Specular};
 use glam::{Affine2, Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use serde::de::{DeserializeOwned, IntoDeserializer, value::StrDeserializer};
 use serde_json::Value;
@@ -34,6 +35,7 @@ fn scenes() -> Vec<Scene> {
         Material::Diffuse { reflectance: scaled },
         Material::Phong { diffuse, specular, exponent: f(30.0) },
         Material::Ward { variant: WardVariant::Ward, diffuse, specular, alpha_u, alpha_v },
+        Material::Lobe { diffuse, specular, model: Specular::Sheen(Sheen { alpha: 0.5 }) },
         Material::Conductor { eta: c(1.0), k: c(2.0), specular },
         Material::RoughConductor { distribution, alpha_u, alpha_v, eta: c(1.0), k: c(2.0), specular },
         Material::Dielectric { eta, reflectance, transmittance },

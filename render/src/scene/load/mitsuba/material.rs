@@ -4,6 +4,7 @@ use super::Builder;
 use super::ior::ior;
 use super::object::Object;
 use super::objects::ObjectId;
+use super::recipe;
 use super::texture::Decode;
 use crate::scene::load::error::LoadError;
 use crate::scene::{ColorTexture, Distribution, FloatTexture, Material, MaterialId, Rgb, WardVariant};
@@ -60,6 +61,7 @@ impl Builder<'_> {
                 Ok(Material::Phong { diffuse, specular, exponent })
             }
             "ward" => self.ward(object),
+            plugin if recipe::is_model(plugin) => self.lobe(object),
             "conductor" => {
                 let ((eta, k), specular) =
                     (self.metal(object)?, self.reflectance(object, "specular_reflectance", grey(1.0))?);
@@ -123,7 +125,12 @@ impl Builder<'_> {
     }
 
     /// A reflectance or transmittance: a colour of 0 … 1, or a texture. Version 0.x scales constants that exceed 1.
-    fn reflectance(&mut self, object: &Object, name: &str, default: ColorTexture) -> Result<ColorTexture, LoadError> {
+    pub(super) fn reflectance(
+        &mut self,
+        object: &Object,
+        name: &str,
+        default: ColorTexture,
+    ) -> Result<ColorTexture, LoadError> {
         let color = self.color_texture(object, name, default)?;
         match color {
             ColorTexture::Constant(c) if c.max_element() > 1.0 && self.objects.legacy => {

@@ -7,6 +7,7 @@ mod ior;
 mod material;
 mod object;
 mod objects;
+mod recipe;
 mod shape;
 mod spectrum;
 mod texture;

@@ -1,6 +1,5 @@
-//! Where the lobe of a model lies, and how wide it is, in the (a, q) coordinates of the cubature.
+//! Where the lobe of a model lies, and how wide it is, in the (a, q) coordinates of the cubature ([`crate::cubature`]).
 
-use crate::brdf::{Distribution, Specular};
 use glam::{DVec2, DVec3};
 
 /// Extent of a specular lobe seen from `wo`, in the frame of `wo`: centred at the meridian a₀ with width `width_a`; on the
@@ -35,29 +34,29 @@ const COSINE: f64 = 4.0;
 const GAUSSIAN: f64 = 3.0;
 const LONG_TAIL: f64 = 2.0;
 
-impl Footprint {
-    /// The footprint of a model seen from `wo`, and the (cos, sin) of the azimuth of `wo`.
-    pub fn new(specular: &Specular, wo: DVec3) -> (Self, (f64, f64)) {
+/// A direction to the eye in its own frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outgoing {
+    /// sinθo.
+    pub sin_o: f64,
+    /// cosθo.
+    pub cos_o: f64,
+    /// Cosine and sine of the azimuth.
+    pub rotation: (f64, f64),
+}
+
+impl Outgoing {
+    pub fn new(wo: DVec3) -> Self {
         let sin_o = wo.truncate().length();
         let rotation = if sin_o > 1e-9 { (wo.x / sin_o, wo.y / sin_o) } else { (1.0, 0.0) };
-        let lobe = match specular {
-            Specular::Phong(m) => Self::cosine(sin_o, wo.z, DVec2::new(-sin_o, wo.z), m.exponent),
-            Specular::Lafortune(m) => {
-                let sharpest = m.lobes().iter().fold([0.0; 4], |s, l| if l[3] > s[3] { *l } else { s });
-                let x = sharpest[0] * rotation.0 * rotation.0 + sharpest[1] * rotation.1 * rotation.1;
-                Self::cosine(sin_o, wo.z, DVec2::new(x * sin_o, sharpest[2] * wo.z), sharpest[3])
-            }
-            Specular::Ward(m) => Self::slopes(sin_o, wo.z, rotation, m.alpha_x, m.alpha_y, false),
-            Specular::Microfacet(m) => {
-                let ggx = m.distribution == Distribution::Ggx;
-                Self::slopes(sin_o, wo.z, rotation, m.alpha_x, m.alpha_y, ggx)
-            }
-        };
-        (lobe, rotation)
+        Self { sin_o, cos_o: wo.z, rotation }
     }
+}
 
+impl Footprint {
     /// cosⁿ about the in-plane vector `peak` (not normalised): e^(−n δ²/2), equally wide both ways.
-    fn cosine(sin_o: f64, cos_o: f64, peak: DVec2, exponent: f64) -> Self {
+    pub(crate) fn cosine(view: &Outgoing, peak: DVec2, exponent: f64) -> Self {
+        let Outgoing { sin_o, cos_o, .. } = *view;
         let peak = peak.try_normalize().unwrap_or(DVec2::Y);
         let width = COSINE * (2.0 / exponent.max(1.0)).sqrt();
         Self {
@@ -77,7 +76,8 @@ impl Footprint {
     /// A distribution of half-vector slopes s = (wi + wo)_xy / (wi + wo)_z of roughness αx, αy, turned into the frame of
     /// `wo`: along the meridian a, s_x H = X and s_y H = q with H = cos a + cosθo, and D depends on
     /// Qxx s_x² + 2 Qxy s_x s_y + Qyy s_y².
-    fn slopes(sin_o: f64, cos_o: f64, (c, s): (f64, f64), alpha_x: f64, alpha_y: f64, long_tail: bool) -> Self {
+    pub(crate) fn slopes(view: &Outgoing, alpha_x: f64, alpha_y: f64, long_tail: bool) -> Self {
+        let Outgoing { sin_o, cos_o, rotation: (c, s) } = *view;
         let (ix, iy) = (alpha_x.powi(-2), alpha_y.powi(-2));
         let (qxx, qyy) = (c * c * ix + s * s * iy, s * s * ix + c * c * iy);
         let qxy = c * s * (iy - ix);
@@ -101,7 +101,7 @@ impl Footprint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::{ALL, Brdf};
+    use crate::brdf::{ALL, Brdf, Specular};
     use crate::frame::spherical;
 
     /// The footprint is centred on the maximum of the lobe along the plane of incidence, where there is one, and about as
@@ -112,7 +112,7 @@ mod tests {
         for specular in ALL.iter().flat_map(|m| (m.examples)()).filter(narrow) {
             for phi in [0.0, 0.5 * core::f64::consts::PI] {
                 let wo = spherical(0.5, phi);
-                let (lobe, (c, s)) = Footprint::new(&specular, wo);
+                let (lobe, (c, s)) = specular.footprint(wo);
                 let at = |a: f64| {
                     let (sin, cos) = a.sin_cos();
                     specular.eval(DVec3::new(sin * c, sin * s, cos), wo)
