@@ -2,6 +2,8 @@
 
 /// Damaged table files, for `tables`.
 mod hostile;
+/// Documents: what they name exists.
+mod documents;
 /// Reflection models: reciprocity, energy, sampling, precision, recipes.
 mod models;
 /// The mean BRDF: truths, errors of every representation, limits, the file.

@@ -36,6 +36,7 @@ Models and their keys, beside kd and ks:
   ward         alpha_x, alpha_y, variant
   beckmann     alpha (or alpha_x, alpha_y), f0 (or eta, k)
   ggx          as beckmann
+  sheen        alpha (0.07 to 1), the fibres of velvet
 A colour is one number or [r,g,b].";
 
 /// Fit a table of the mean BRDF of a material, and measure its errors
