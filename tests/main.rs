@@ -1,9 +1,9 @@
 //! The tests that cross crates, as a table of contents.
 
-/// Damaged table files, for `tables`.
-mod hostile;
 /// Documents: what they name exists.
 mod documents;
+/// Damaged table files, for `tables`.
+mod hostile;
 /// Reflection models: reciprocity, energy, sampling, precision, recipes.
 mod models;
 /// The mean BRDF: truths, errors of every representation, limits, the file.

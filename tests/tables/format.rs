@@ -7,6 +7,7 @@ use brdf_tables::cap::Cap;
 use brdf_tables::cubature::RULES;
 use brdf_tables::format::{FormatError, MAGIC, VERSION};
 use brdf_tables::frame::spherical;
+use brdf_tables::parts::PartsError;
 use brdf_tables::table::{Representation, Table};
 use brdf_tables::zonal::Zonal;
 use std::fs;
@@ -145,8 +146,8 @@ fn each_damage_has_its_own_error() {
     assert!(matches!(refused(&with(12, &60_000u32.to_le_bytes())), FormatError::Length { .. }));
     assert!(matches!(refused(&bytes[..bytes.len() - 1]), FormatError::Checksum { .. }));
     let longer = |extra: &[u8]| sealed([&bytes[..bytes.len() - 4], extra, &[0; 4]].concat());
-    assert!(matches!(refused(&longer(&[0; 4])), FormatError::Payload(_)));
-    assert!(matches!(refused(&longer(&[0; 3])), FormatError::Payload(_)));
+    assert!(matches!(refused(&longer(&[0; 4])), FormatError::Parts(PartsError::Count { .. })));
+    assert!(matches!(refused(&longer(&[0; 3])), FormatError::Parts(PartsError::Count { .. })));
     let mut spare = bytes.clone();
     spare[12..16].copy_from_slice(&(header_range(&bytes).len() as u32 + 1).to_le_bytes());
     assert!(matches!(refused(&sealed(spare)), FormatError::Header(_)));

@@ -68,7 +68,8 @@ fn the_whole_hemisphere_gives_the_albedo() {
             // The finest cubature, then the zonal table; not the patchwork.
             let values =
                 [quadrature, monte_carlo].into_iter().chain(tables.iter().rev().skip(1).map(|t| t.value(&whole, wo)));
-            for (i, (value, bound)) in values.zip([2e-4, 2e-3, 3e-3, 3e-3]).enumerate() {
+            // 3e-3 for lobes; the ring of a sheen of α = .07 around the horizon, 1e-4 bright, takes 4e-3 of itself.
+            for (i, (value, bound)) in values.zip([2e-4, 2e-3, 5e-3, 3e-3]).enumerate() {
                 let off = (value / exact - 1.0).abs();
                 worst[i] = worst[i].max(off);
                 assert!(off < bound, "{name}, way {i}, theta_o {theta}: {value} instead of {exact}, off {off:.1e}");
