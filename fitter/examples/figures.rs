@@ -52,7 +52,7 @@ fn all_materials() -> Vec<String> {
         materials.push(format!("{model}alpha_x=0.1,alpha_y=0.4"));
     }
     // And what is shipped beyond Phong.
-    for name in ["beckmann-0.2", "ggx-0.1", "ggx-0.3", "ward-0.1-0.5", "lafortune-metal"] {
+    for name in ["beckmann-0.2", "ggx-0.1", "ggx-0.3", "ward-0.1-0.5", "lafortune-metal", "sheen-0.3"] {
         materials.push(format!("{}/../tables/{name}.toml", env!("CARGO_MANIFEST_DIR")));
     }
     materials
