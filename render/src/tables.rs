@@ -210,13 +210,13 @@ mod tests {
     }
 
     #[test]
-    fn a_table_of_an_earlier_version_is_fitted_anew() {
+    fn a_table_of_a_version_too_old_is_fitted_anew() {
         let folder = tempfile::tempdir().unwrap();
         let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
         let table = Tables::open(folder.path()).unwrap().find(&recipe).unwrap();
         let path = folder.path().join(file_name(&text(&recipe)));
         let mut bytes = std::fs::read(&path).unwrap();
-        bytes[8..12].copy_from_slice(&(VERSION - 1).to_le_bytes());
+        bytes[8..12].copy_from_slice(&(VERSION - 2).to_le_bytes());
         std::fs::write(&path, &bytes).unwrap();
         let mut tables = Tables::open(folder.path()).unwrap();
         assert_eq!(tables.find(&recipe).unwrap(), table);
