@@ -11,6 +11,8 @@ mod file;
 mod furnace;
 #[path = "cached/harmonics.rs"]
 mod harmonics;
+#[path = "cached/lens.rs"]
+mod lens;
 #[path = "cached/library.rs"]
 mod library;
 #[path = "cached/pictures.rs"]

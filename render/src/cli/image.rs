@@ -1,5 +1,7 @@
 //! `render image`.
 
+use super::lens::Optics;
+use super::look::{self, Looking};
 use super::method::{Method, Reach};
 use super::options;
 use super::outputs::{self, Records};
@@ -34,7 +36,8 @@ const PNG_SECONDS: f64 = 1e-7;
 pub struct Args {
     /// Scene: Mitsuba XML or glTF; or a model (OBJ, PLY, STL), for a quick look.
     pub(super) scene: PathBuf,
-    /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
+    /// Picture to write; may be given for each format. .exr: linear light with layers; .png, .webp (lossless) and .jpg: as a screen
+    /// shows it (see --view).
     #[arg(short, long, value_name = "OUT", required = true)]
     pub(super) output: Vec<PathBuf>,
     /// How to render.
@@ -89,6 +92,10 @@ pub struct Args {
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     crop: Option<Crop>,
+    #[command(flatten)]
+    pub(super) optics: Optics,
+    #[command(flatten)]
+    pub(super) looking: Looking,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
@@ -233,13 +240,19 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         eprintln!("render: warning: {warning}");
     }
     view::change(&mut scene.camera, args.width, args.height, args.crop);
-    view::require_memory(&scene.camera, !matches!(args.method, Method::Path))
+    look::check_size(&args.output, &scene.camera.film)?;
+    let lens = args.optics.check(&scene.camera)?;
+    view::require_memory(&scene.camera, !matches!(args.method, Method::Path), lens)
         .with_context(|| args.scene.display().to_string())?;
+    scene.integrator.hide_environment = args.looking.transparent;
     if let Some(depth) = args.max_depth {
         scene.integrator.max_depth = depth;
     }
     let budget = budget(args, &scene);
-    let world = pool.install(|| World::new(scene)).with_context(|| args.scene.display().to_string())?;
+    let mut world = pool.install(|| World::new(scene)).with_context(|| args.scene.display().to_string())?;
+    if let Some(focus) = args.optics.apply(&mut world)? {
+        eprintln!("render: focused at {focus}, on what the middle of the picture shows");
+    }
     let load_seconds = start.elapsed().as_secs_f64();
     let mut stats = Stats { method: args.method.name(), threads: pool.current_num_threads(), ..Stats::default() };
     stats.seconds.load = load_seconds;
