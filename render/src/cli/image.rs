@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
 const EXR_SECONDS: f64 = 1.6e-6;
-const PNG_SECONDS: f64 = 1e-7;
+const SCREEN_SECONDS: f64 = 3e-7;
 
 /// Arguments of `render image`.
 #[derive(Debug, clap::Args)]
@@ -253,6 +253,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(focus) = args.optics.apply(&mut world)? {
         eprintln!("render: focused at {focus}, on what the middle of the picture shows");
     }
+    let look = args.looking.look();
     let load_seconds = start.elapsed().as_secs_f64();
     let mut stats = Stats { method: args.method.name(), threads: pool.current_num_threads(), ..Stats::default() };
     stats.seconds.load = load_seconds;
@@ -275,7 +276,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(warning) = not_finite_warning(not_finite, paths) {
         eprintln!("render: warning: {warning}");
     }
-    outputs::write(args, &world, &picture, records.as_ref(), &mut stats, start)?;
+    outputs::write(args, &world, &picture, &look, records.as_ref(), &mut stats, start)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -291,7 +292,7 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
             let film = scene.camera.film.window();
             let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
             let exrs = args.output.iter().filter(exr).count();
-            let per_pixel = EXR_SECONDS * exrs as f64 + PNG_SECONDS * (args.output.len() - exrs) as f64;
+            let per_pixel = EXR_SECONDS * exrs as f64 + SCREEN_SECONDS * (args.output.len() - exrs) as f64;
             let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
             Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
         }

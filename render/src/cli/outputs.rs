@@ -4,7 +4,7 @@ use super::image::{Args, Stats};
 use anyhow::{Result, bail};
 use fitter::command::output::{self, Outputs};
 use render::film::Picture;
-use render::image::{Format, write_picture, write_png};
+use render::image::{Format, Look, write_picture, write_png};
 use render::inspect::overlay::show_records;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Caches, Settings, file};
@@ -47,6 +47,7 @@ pub(super) fn write(
     args: &Args,
     world: &World,
     picture: &Picture,
+    look: &Look,
     records: Option<&Records>,
     stats: &mut Stats,
     start: Instant,
@@ -58,9 +59,8 @@ pub(super) fn write(
             failures.push(fitter::command::one_line(&error.context(path.display().to_string())));
         }
     };
-    let look = args.looking.look();
     for path in &args.output {
-        tried(path, write_picture(path, picture, &look).map_err(Into::into));
+        tried(path, write_picture(path, picture, look).map_err(Into::into));
     }
     if let Some(Records { policy, settings, tolerance, caches }) = records {
         if let Some(path) = &args.show_records {
