@@ -13,19 +13,19 @@ const SMALL: [(&str, &str); 2] = [("width", "48"), ("height", "48")];
 fn every_method_agrees_with_the_path_tracer() {
     let harmonics = HarmonicsSettings::new(Basis::default(), Gradients::default(), 0.03, None);
     // Radius and focus in shares of the distance to the middle of the scene.
-    for (scene, radius, focus, bound) in [
-        ("cornell-glossy.xml", 0.2, 0.8, 0.003),
-        ("floor-n100.xml", 0.2, 0.9, 0.003),
-        ("preview.xml", 0.1, 1.0, 0.01),
-    ] {
-        let sharp = world(scene, &SMALL);
+    for (scene, radius, focus, bound) in
+        [("cornell-glossy.xml", 0.2, 0.8, 0.003), ("floor-n100.xml", 0.2, 0.5, 0.003), ("preview.xml", 0.1, 0.6, 0.01)]
+    {
+        // Lamps out of focus are mostly noise.
+        let mut sharp = world(scene, &SMALL);
+        sharp.scene.integrator.hide_emitters = true;
         let mut blurred = world(scene, &SMALL);
+        blurred.scene.integrator.hide_emitters = true;
         let (low, high) = sharp.bounds();
         let distance = sharp.scene.camera.to_world.translation.distance(0.5 * (low + high));
         blurred.scene.camera.lens = Lens::new(radius * distance, focus * distance);
         let references = [traced(&sharp, 256), traced(&blurred, 512)];
         let blur = compare(&references[0], &references[1]).0;
-        assert!(blur > 5.0 * bound, "{scene}: the lens makes no difference: {blur}");
         for (name, allowed) in [
             ("irradiance", Allowed::Irradiance),
             ("eas", Allowed::Eas),
@@ -43,6 +43,7 @@ fn every_method_agrees_with_the_path_tracer() {
                 100.0 * usual_bias,
                 figures.eas_records + figures.irradiance_records + figures.harmonics_records,
             );
+            assert!(error < 0.2 * blur, "{scene} {name}: {error} where the lens makes {blur}");
             assert!(error < bound && (bias - usual_bias).abs() < 0.015, "{scene} {name}: {error} {bias} {usual_bias}");
         }
     }
