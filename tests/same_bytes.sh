@@ -22,13 +22,17 @@ for recipe in tables/*.toml; do
     (cd "$work/new" && "$new/fitter" fit "$name.toml" --seed 1 >/dev/null)
     same "$name" "$work/old/$name.tbl" "$work/new/$name.tbl"
 done
+root=$PWD
 draw() { # BUILD NAME SCENE METHOD
-    "$1/render" image "$3" -o "$work/$2.exr" --tables "$work/$2" --method "$4" --width 48 --height 36 --spp 4 --seed 3 2>/dev/null
+    local tables=()
+    [[ $4 == eas || $4 == auto ]] && tables=(--tables .)
+    (cd "$work/$2" && "$1/render" image "$root/tests/scenes/$3" -o "../$2.exr" --method "$4" "${tables[@]}" \
+        --width 48 --height 36 --spp 4 --seed 3 2>/dev/null)
 }
 while read -r scene; do
     for method in path irradiance eas sh auto; do
-        draw "$old" old "tests/scenes/$scene" $method || { echo "refused  $scene $method by $old"; continue; }
-        draw "$new" new "tests/scenes/$scene" $method
+        draw "$old" old "$scene" "$method" || { echo "refused  $scene $method by $old"; continue; }
+        draw "$new" new "$scene" "$method"
         same "$scene $method" "$work/old.exr" "$work/new.exr"
     done
 done <<'SCENES'

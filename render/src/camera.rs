@@ -1,7 +1,9 @@
 //! Primary rays.
 
+use crate::frame::concentric_disk;
 use crate::ray::Ray;
-use crate::scene::{Camera, Filter, Projection};
+use crate::sampler::Sampler;
+use crate::scene::{Camera, Filter, Lens, Projection};
 use glam::{Affine3A, Vec2, Vec3A};
 
 /// Intervals of the tabulated filter inverse.
@@ -20,6 +22,7 @@ pub struct RayGenerator {
     center: Vec2,
     inverse_size: Vec2,
     clip: (f32, f32),
+    lens: Option<Lens>,
     offset: Offset,
 }
 
@@ -91,17 +94,49 @@ impl RayGenerator {
             center: 0.5 - camera.principal_point,
             inverse_size: size.recip(),
             clip: (camera.near, camera.far),
+            lens: camera.lens,
             offset: Offset::new(camera.film.filter),
         }
     }
 
-    /// A ray through pixel (x, y) of the whole film, at the filter-distributed position of `u`. The direction is a unit
-    /// vector; the clip planes bound the ray.
+    /// A ray of pixel (x, y) of the whole film: its first point chooses the place on the film; the next one, where there is a lens,
+    /// the place on the lens. The direction is a unit vector; the clip planes bound the ray.
     #[inline]
-    pub fn ray(&self, x: u32, y: u32, u: Vec2) -> Ray {
+    pub fn sample(&self, x: u32, y: u32, sampler: &mut Sampler) -> Ray {
+        let u = sampler.next_2d();
+        match self.lens {
+            None => self.ray(x, y, u),
+            Some(lens) => self.through_lens(lens, self.place(x, y, u), concentric_disk(sampler.next_2d())),
+        }
+    }
+
+    /// Where the ray through the middle of the lens passes the plane at unit depth, in the camera's frame.
+    #[inline]
+    fn place(&self, x: u32, y: u32, u: Vec2) -> Vec2 {
         let offset = Vec2::new(self.offset.sample(u.x), self.offset.sample(u.y));
         let film = (Vec2::new(x as f32, y as f32) + 0.5 + offset) * self.inverse_size;
-        let place = 2.0 * (self.center - film) * self.half;
+        2.0 * (self.center - film) * self.half
+    }
+
+    /// The ray from a point of the lens, on the unit disk, to where all rays of a place meet.
+    #[inline]
+    fn through_lens(&self, lens: Lens, place: Vec2, on_lens: Vec2) -> Ray {
+        let start = lens.radius * on_lens;
+        let through = self.to_world.matrix3 * Vec3A::from((place - start / lens.focus).extend(1.0));
+        let length = through.length();
+        Ray {
+            origin: self.to_world.transform_point3a(start.extend(0.0).into()),
+            direction: through / length,
+            t_min: self.clip.0 * length,
+            t_max: self.clip.1 * length,
+        }
+    }
+
+    /// The ray through the middle of the lens of pixel (x, y) of the whole film, at the filter-distributed position of `u`. The
+    /// direction is a unit vector; the clip planes bound the ray.
+    #[inline]
+    pub fn ray(&self, x: u32, y: u32, u: Vec2) -> Ray {
+        let place = self.place(x, y, u);
         if self.parallel {
             return Ray {
                 origin: self.to_world.transform_point3a(place.extend(0.0).into()),
@@ -121,7 +156,7 @@ impl RayGenerator {
     }
 
     /// Where on the whole film a point appears, in pixels from the top left: pixel (x, y) has its middle at (x + ½, y + ½).
-    /// The inverse of [`RayGenerator::ray`]; may lie outside the film, `None` outside the clip planes.
+    /// The inverse of [`RayGenerator::ray`], through the middle of a lens; may lie outside the film, `None` outside the clip planes.
     pub fn project(&self, p: Vec3A) -> Option<(f32, f32)> {
         let local = self.to_world.matrix3.inverse() * (p - self.to_world.translation);
         if local.z <= 0.0 || self.depth(p) < self.clip.0 || self.depth(p) > self.clip.1 {
@@ -133,7 +168,14 @@ impl RayGenerator {
         pixel.is_finite().then_some((pixel.x, pixel.y))
     }
 
-    /// Where the ray that sees `p` starts.
+    /// Points of the rim of the lens, evenly spaced; none where everything is sharp.
+    pub fn rim(&self, count: usize) -> impl Iterator<Item = Vec3A> {
+        let on_rim = move |i: usize| Vec2::from_angle(core::f32::consts::TAU * i as f32 / count as f32);
+        let world = |lens: Lens, p: Vec2| self.to_world.transform_point3a((lens.radius * p).extend(0.0).into());
+        self.lens.into_iter().flat_map(move |lens| (0..count).map(move |i| world(lens, on_rim(i))))
+    }
+
+    /// Where the ray that sees `p` starts, at the middle of a lens.
     pub fn eye(&self, p: Vec3A) -> Vec3A {
         if self.parallel {
             p - self.to_world.matrix3.z_axis.normalize() * self.depth(p)
@@ -195,6 +237,38 @@ mod tests {
             assert!((ray.origin - Vec3A::new(corner.0, corner.1, 0.0)).length() < 1e-5, "{}", ray.origin);
             assert_eq!((ray.direction, ray.t_min, ray.t_max), (Vec3A::Z, 1e-2, 1e4));
         }
+    }
+
+    /// Circle of confusion: the rays of a pixel fill a disk of radius R |1 − z/f| about its middle ray at depth z, which is a
+    /// point at the focus distance, however the camera stands.
+    #[test]
+    fn rays_of_a_lens_meet_at_its_focus() {
+        let film = Film { width: 200, height: 120, crop: None, filter: Filter::Box { radius: 1e-3 } };
+        let to_world = Affine3A::from_rotation_y(0.7) * Affine3A::from_translation(glam::Vec3::new(1.0, -2.0, 3.0));
+        let lens = Lens { radius: 0.25, focus: 4.0 };
+        let camera = Camera { film, to_world, lens: Some(lens), ..Camera::default() };
+        let generator = RayGenerator::new(&camera);
+        for (x, y) in [(100, 60), (3, 110)] {
+            let middle = generator.ray(x, y, Vec2::splat(0.5));
+            let at = |ray: &Ray, z: f32| ray.origin + ray.direction * (z * ray.t_min / camera.near);
+            for z in [0.0, 1.0, 4.0, 9.0] {
+                let (mut squares, mut most, n) = (0.0, 0f32, 4096);
+                for i in 0..n {
+                    let ray = generator.sample(x, y, &mut Sampler::new(0, (x, y), i));
+                    assert!((ray.direction.length() - 1.0).abs() < 1e-6);
+                    assert!((generator.depth(at(&ray, z)) - z).abs() < 1e-5 * (1.0 + z));
+                    let away = (at(&ray, z) - at(&middle, z)).length();
+                    (squares, most) = (squares + away * away / n as f32, most.max(away));
+                }
+                let radius = lens.radius * (1.0 - z / lens.focus).abs();
+                // Uniform over the disk: the mean square is half the square of the radius; a pixel has a width of its own.
+                let pixel = 2e-5 * z;
+                assert!((most - radius).abs() < 0.01 * radius + pixel, "{z}: {most} {radius}");
+                assert!((squares - 0.5 * radius * radius).abs() < 0.002 * radius * radius + pixel, "{z}: {squares}");
+            }
+        }
+        assert!(generator.rim(5).all(|p| ((p - camera.to_world.translation).length() - 0.25).abs() < 1e-6));
+        assert_eq!(RayGenerator::new(&Camera::default()).rim(5).count(), 0);
     }
 
     #[test]

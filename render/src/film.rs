@@ -41,6 +41,8 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
+    /// Column and row of the first pixel in the whole film.
+    pub corner: [u32; 2],
     /// Row by row from the top.
     pub pixels: Vec<Pixel>,
     /// Samples of every pixel.
@@ -74,6 +76,7 @@ pub fn render<I: Integrator>(
     let mut picture = Picture {
         width: window.width,
         height: window.height,
+        corner: [window.x, window.y],
         pixels: vec![Pixel::default(); count],
         spp: 0,
         passes: 0,
@@ -148,7 +151,7 @@ fn sample_pixel<I: Integrator>(
     let of_pixel = Sampler::new(seed, (x, y), 0);
     for index in indices {
         let mut sampler = of_pixel.with_index(index);
-        let ray = camera.ray(x, y, sampler.next_2d());
+        let ray = camera.sample(x, y, &mut sampler);
         queries.counts.paths += 1;
         let mut sample = integrator.radiance(world, ray, &mut sampler, queries).finite(queries);
         if sample.distance > 0.0 {

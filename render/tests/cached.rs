@@ -15,6 +15,8 @@ mod harmonics;
 mod lamp_shapes;
 #[path = "cached/lamps.rs"]
 mod lamps;
+#[path = "cached/lens.rs"]
+mod lens;
 #[path = "cached/library.rs"]
 mod library;
 #[path = "cached/pictures.rs"]

@@ -155,7 +155,7 @@ fn the_z_test_tells_noise_from_a_difference() {
 fn mistakes_are_named() {
     let f = Folder::with(SCENE, &[]);
     f.bad("image missing.xml -o a.exr", "missing.xml");
-    f.bad("image scene.xml -o a.jpg", ".exr or .png");
+    f.bad("image scene.xml -o a.gif", "must end in .exr, .png, .jpg, .jpeg or .webp");
     f.bad("image scene.xml -o nowhere/a.exr --spp 1", "nowhere/a.exr");
     f.bad("image scene.xml -o a.exr --spp 0", "--spp");
     f.bad("image scene.xml -o a.exr --spp 1 --time 1", "--time");
@@ -240,7 +240,7 @@ fn what_caches_cannot_do_is_refused() {
     folder.bad("image glossy.xml --method eas --tau 0 -o a.png", "--tau");
     folder.bad("image glossy.xml --method eas --tables bad -o a.png", "x.tbl");
     folder.bad("image glossy.xml --method eas --tables made --cache x.cache -o a.png", "x.cache");
-    folder.bad("image glossy.xml --method eas -o a.jpg", ".png");
+    folder.bad("image glossy.xml --method eas -o a.gif", ".png");
 }
 
 /// A run that is killed leaves either no cache file, the one that was there, or a whole new one, and the next run goes on.

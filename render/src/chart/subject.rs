@@ -3,7 +3,7 @@
 use super::plan::{Plan, Reference};
 use anyhow::{Context, Result, bail, ensure};
 use render::film::{self, Budget};
-use render::image::{Image, read, read_noise, write_picture};
+use render::image::{Image, Look, read, read_noise, write_picture};
 use render::integrator::PathTracer;
 use render::scene::checksum::{Checksums, Hash};
 use render::scene::{Scene, load};
@@ -51,7 +51,8 @@ pub fn load_scene(plan: &Plan, path: &Path, reference: Option<&PathBuf>) -> Resu
     let (mut scene, warnings) = load::load(path, &plan.load)?;
     warnings.iter().for_each(|warning| eprintln!("render: warning: {warning}"));
     crate::cli::resize(&mut scene.camera, plan.width, None);
-    crate::cli::require_memory(&scene.camera, true).with_context(|| path.display().to_string())?;
+    crate::cli::require_memory(&scene.camera, true, scene.camera.lens.is_some())
+        .with_context(|| path.display().to_string())?;
     let digest = digest(&scene, plan.indirect_only);
     let world = World::new(scene).with_context(|| path.display().to_string())?;
     Ok(Loaded { name: name(path), world, reference: reference.cloned(), digest })
@@ -138,6 +139,6 @@ fn trace(world: &World, path: &Path, plan: &Plan, progress: &(dyn Fn(f64) + Sync
     if let Err(e) = std::fs::create_dir_all(folder) {
         bail!("{}: {e}", folder.display());
     }
-    write_picture(path, &picture)?;
+    write_picture(path, &picture, &Look::default())?;
     Ok(())
 }

@@ -90,10 +90,12 @@ fn read_both(args: &Args) -> Result<(Image, Image)> {
     if let (Some(a), Some(b)) = (&image.windows, &reference.windows)
         && a.are_other_parts_than(b)
     {
+        let files = format!("{} and {}", args.image.display(), args.reference.display());
+        if a.display != b.display {
+            bail!("{files}: other parts of one picture: pixels {} and {} of the film", a.display, b.display);
+        }
         bail!(
-            "{} and {}: other parts of one picture: the data windows are {} and {}, the display window is {}",
-            args.image.display(),
-            args.reference.display(),
+            "{files}: other parts of one picture: the data windows are {} and {}, the display window is {}",
             a.data,
             b.data,
             a.display

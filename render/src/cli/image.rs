@@ -1,5 +1,7 @@
 //! `render image`.
 
+use super::lens::Optics;
+use super::look::{self, Looking};
 use super::method::{Method, Reach};
 use super::options;
 use super::outputs::{self, Records};
@@ -27,14 +29,15 @@ use std::time::{Duration, Instant};
 
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
 const EXR_SECONDS: f64 = 1.6e-6;
-const PNG_SECONDS: f64 = 1e-7;
+const SCREEN_SECONDS: f64 = 3e-7;
 
 /// Arguments of `render image`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene: Mitsuba XML or glTF; or a model (OBJ, PLY, STL), for a quick look.
     pub(super) scene: PathBuf,
-    /// Picture to write: .exr (linear, with layers) or .png (sRGB view); may be given for each.
+    /// Picture to write; may be given for each format. .exr: linear light with layers; .png, .webp (lossless) and .jpg: as a screen
+    /// shows it (see --view).
     #[arg(short, long, value_name = "OUT", required = true)]
     pub(super) output: Vec<PathBuf>,
     /// How to render.
@@ -89,6 +92,10 @@ pub struct Args {
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     crop: Option<Crop>,
+    #[command(flatten)]
+    pub(super) optics: Optics,
+    #[command(flatten)]
+    pub(super) looking: Looking,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
@@ -233,13 +240,20 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         eprintln!("render: warning: {warning}");
     }
     view::change(&mut scene.camera, args.width, args.height, args.crop);
-    view::require_memory(&scene.camera, !matches!(args.method, Method::Path))
+    look::check_size(&args.output, &scene.camera.film)?;
+    let lens = args.optics.check(&scene.camera)?;
+    view::require_memory(&scene.camera, !matches!(args.method, Method::Path), lens)
         .with_context(|| args.scene.display().to_string())?;
+    scene.integrator.hide_environment = args.looking.transparent;
     if let Some(depth) = args.max_depth {
         scene.integrator.max_depth = depth;
     }
     let budget = budget(args, &scene);
-    let world = pool.install(|| World::new(scene)).with_context(|| args.scene.display().to_string())?;
+    let mut world = pool.install(|| World::new(scene)).with_context(|| args.scene.display().to_string())?;
+    if let Some(focus) = args.optics.apply(&mut world)? {
+        eprintln!("render: focused at {focus}, on what the middle of the picture shows");
+    }
+    let look = args.looking.look();
     let load_seconds = start.elapsed().as_secs_f64();
     let mut stats = Stats { method: args.method.name(), threads: pool.current_num_threads(), ..Stats::default() };
     stats.seconds.load = load_seconds;
@@ -262,7 +276,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(warning) = not_finite_warning(not_finite, paths) {
         eprintln!("render: warning: {warning}");
     }
-    outputs::write(args, &world, &picture, records.as_ref(), &mut stats, start)?;
+    outputs::write(args, &world, &picture, &look, records.as_ref(), &mut stats, start)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -278,7 +292,7 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
             let film = scene.camera.film.window();
             let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
             let exrs = args.output.iter().filter(exr).count();
-            let per_pixel = EXR_SECONDS * exrs as f64 + PNG_SECONDS * (args.output.len() - exrs) as f64;
+            let per_pixel = EXR_SECONDS * exrs as f64 + SCREEN_SECONDS * (args.output.len() - exrs) as f64;
             let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
             Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
         }

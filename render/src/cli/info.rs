@@ -4,7 +4,7 @@ use super::reading::Reading;
 use anyhow::{Context, Result};
 use render::integrator::cached::policy::outlook;
 use render::scene::load::{self, Loaded};
-use render::scene::{ColorTexture, Environment, Geometry, Light, Material, Projection, Scene, Shape, Texture};
+use render::scene::{ColorTexture, Environment, Geometry, Lens, Light, Material, Projection, Scene, Shape, Texture};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -53,6 +53,14 @@ struct Picture {
     /// In degrees, of a perspective camera.
     fov_x: Option<f32>,
     position: [f32; 3],
+    lens: Option<LensInfo>,
+}
+
+/// In scene units.
+#[derive(Serialize)]
+struct LensInfo {
+    radius: f32,
+    focus: f32,
 }
 
 #[derive(Serialize)]
@@ -133,6 +141,7 @@ impl Report {
                     Projection::Orthographic { .. } => None,
                 },
                 position: scene.camera.to_world.translation.to_array(),
+                lens: scene.camera.lens.map(|Lens { radius, focus }| LensInfo { radius, focus }),
             },
             lamps: scene.lights.iter().map(lamp).collect(),
             sky: scene.environment.as_ref().map(|sky| match sky {
@@ -164,9 +173,12 @@ impl Report {
                 ),
             );
         }
-        let Picture { width, height, fov_x, position: [x, y, z] } = self.picture;
+        let Picture { width, height, fov_x, position: [x, y, z], ref lens } = self.picture;
         let view = fov_x.map_or("orthographic".into(), |fov| format!("{fov:.2}° across"));
         line("picture", format!("{width} × {height} pixels, {view}, from {x:.4} {y:.4} {z:.4}"));
+        if let Some(LensInfo { radius, focus }) = lens {
+            line("lens", format!("of radius {radius}, sharp at {focus}"));
+        }
         for Lamp { kind, strength: [r, g, b], position, direction } in &self.lamps {
             let place = |what: &str, p: &Option<[f32; 3]>| {
                 p.map_or(String::new(), |[x, y, z]| format!(", {what} {x:.3} {y:.3} {z:.3}"))

@@ -4,6 +4,8 @@ mod chart;
 mod compare;
 mod image;
 mod info;
+mod lens;
+mod look;
 mod method;
 mod options;
 mod outputs;

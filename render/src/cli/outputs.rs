@@ -4,7 +4,7 @@ use super::image::{Args, Stats};
 use anyhow::{Result, bail};
 use fitter::command::output::{self, Outputs};
 use render::film::Picture;
-use render::image::{write_picture, write_png};
+use render::image::{Format, Look, write_picture, write_png};
 use render::inspect::overlay::show_records;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Caches, Settings, file};
@@ -17,9 +17,10 @@ use std::time::Instant;
 /// # Errors
 /// The first such place.
 pub(super) fn check(args: &Args) -> Result<()> {
+    let extensions: Vec<_> = ["exr"].into_iter().chain(Format::EXTENSIONS).collect();
     let mut outputs = Outputs::beside([args.scene.as_path()].into_iter().chain(args.reading.files()));
     for path in &args.output {
-        outputs.file_of(path, &["exr", "png"])?;
+        outputs.file_of(path, &extensions)?;
     }
     if let Some(path) = &args.show_records {
         outputs.file_of(path, &["png"])?;
@@ -27,7 +28,7 @@ pub(super) fn check(args: &Args) -> Result<()> {
     for path in args.cache.iter().chain(&args.stats) {
         outputs.file(path)?;
     }
-    Ok(())
+    args.looking.check(&args.output, args.show_records.is_some())
 }
 
 /// Records of a run, with what they were made for.
@@ -46,6 +47,7 @@ pub(super) fn write(
     args: &Args,
     world: &World,
     picture: &Picture,
+    look: &Look,
     records: Option<&Records>,
     stats: &mut Stats,
     start: Instant,
@@ -58,11 +60,13 @@ pub(super) fn write(
         }
     };
     for path in &args.output {
-        tried(path, write_picture(path, picture).map_err(Into::into));
+        tried(path, write_picture(path, picture, look).map_err(Into::into));
     }
     if let Some(Records { policy, settings, tolerance, caches }) = records {
         if let Some(path) = &args.show_records {
-            tried(path, write_png(path, &show_records(&picture.image(), world, caches)).map_err(Into::into));
+            // Records keep their colours: the view is of the picture below them.
+            let shown = show_records(&look.display.shown(&picture.image()), world, caches);
+            tried(path, write_png(path, &shown).map_err(Into::into));
         }
         if let Some(path) = &args.cache {
             tried(path, file::save(path, world, policy, settings, *tolerance, caches).map_err(Into::into));

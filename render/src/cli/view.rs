@@ -35,16 +35,16 @@ pub(crate) fn resize(camera: &mut Camera, width: Option<u32>, height: Option<u32
 
 /// Bytes that a pixel takes while an EXR of it is made, beside the film: channels, and the file twice while it grows.
 const EXR_BYTES: u64 = 28 * 4 * 3;
-/// Bytes of the surfaces that a cached rendering keeps of a pixel, about.
-const SURFACE_BYTES: u64 = 1024;
+/// Bytes of the surfaces that a cached rendering keeps of a pixel, about: a lens shows more of them.
+const SURFACE_BYTES: [u64; 2] = [1024, 3072];
 
-/// Refuses a film for which there is not enough memory.
+/// Refuses a film for which there is not enough memory, with caches and with a lens or without.
 ///
 /// # Errors
 /// One line with what it needs and what there is.
-pub(crate) fn require_memory(camera: &Camera, cached: bool) -> Result<()> {
+pub(crate) fn require_memory(camera: &Camera, cached: bool, lens: bool) -> Result<()> {
     let Crop { width, height, .. } = camera.film.window();
-    let pixel = size_of::<Pixel>() as u64 + if cached { SURFACE_BYTES } else { EXR_BYTES };
+    let pixel = size_of::<Pixel>() as u64 + if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
     let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
     memory::require(&format!("a film of {width} × {height} pixels"), need)
         .map_err(|what| anyhow!("{what}; choose a smaller one with --width, or a part of it with --crop"))

@@ -1,12 +1,15 @@
 //! Pictures in memory and in files.
 
+mod raster;
 mod read;
+pub mod view;
 mod write;
 
 use thiserror::Error;
 
+pub use raster::{Format, write_png};
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
-pub use write::{write_picture, write_png, write_whole};
+pub use write::{Look, write_picture, write_whole};
 
 /// Linear RGB, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]

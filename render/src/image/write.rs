@@ -1,6 +1,8 @@
-//! EXR with layers, PNG as the sRGB view.
+//! Renderings: OpenEXR with layers, or a format for display.
 
-use super::{Image, ImageError, to_srgb};
+use super::raster::{self, Format};
+use super::view::Display;
+use super::{Image, ImageError};
 use crate::film::{Picture, Pixel};
 use crate::scene::Rgb;
 use exr::meta::attribute::AttributeValue;
@@ -19,37 +21,34 @@ impl Picture {
         let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
         Image { width: self.width, height: self.height, pixels }
     }
-}
 
-/// Writes a rendering: `.exr` with all layers, or `.png` as seen on an sRGB screen.
-///
-/// # Errors
-/// Another extension, or a file that cannot be written.
-pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), ImageError> {
-    match extension(path).as_str() {
-        "exr" => write_whole(path, &exr_bytes(path, picture)?),
-        "png" => write_png(path, &picture.image()),
-        _ => Err(ImageError::Extension(path.display().to_string(), ".exr or .png")),
+    /// Share of a pixel's samples that met a surface.
+    pub fn alpha(&self, pixel: &Pixel) -> f32 {
+        pixel.surfaces as f32 / self.spp.max(1) as f32
     }
 }
 
-/// Writes the sRGB view of a picture.
+/// How a rendering is written.
+#[derive(Clone, Debug, Default)]
+pub struct Look {
+    /// For formats that screens show; OpenEXR keeps the light as it is.
+    pub display: Display,
+    /// Whether the picture has alpha: the share of a pixel's samples that met a surface.
+    pub alpha: bool,
+}
+
+/// Writes a rendering: `.exr` with all layers, or a [`Format`] for display.
 ///
 /// # Errors
-/// A file that cannot be written.
-pub fn write_png(path: &Path, image: &Image) -> Result<(), ImageError> {
-    let bytes: Vec<u8> = image.pixels.iter().flatten().map(|x| (255.0 * to_srgb(*x) + 0.5) as u8).collect();
-    let mut out = Cursor::new(Vec::new());
-    image::write_buffer_with_format(
-        &mut out,
-        &bytes,
-        image.width,
-        image.height,
-        image::ExtendedColorType::Rgb8,
-        image::ImageFormat::Png,
-    )
-    .map_err(|e| content(path, e))?;
-    write_whole(path, &out.into_inner())
+/// Another extension, or a file that cannot be written.
+pub fn write_picture(path: &Path, picture: &Picture, look: &Look) -> Result<(), ImageError> {
+    if extension(path) == "exr" {
+        return write_whole(path, &exr_bytes(path, picture, look.alpha)?);
+    }
+    let extensions = ".exr, .png, .jpg, .jpeg or .webp";
+    let format = Format::of(path).ok_or_else(|| ImageError::Extension(path.display().to_string(), extensions))?;
+    let alpha: Option<Vec<f32>> = look.alpha.then(|| picture.pixels.iter().map(|p| picture.alpha(p)).collect());
+    raster::write(path, format, &picture.image(), alpha.as_deref(), &look.display)
 }
 
 /// Lower-case extension of a path.
@@ -79,7 +78,7 @@ type ColorLayer = (&'static str, fn(&Pixel) -> Rgb);
 type PixelValue<'a> = Box<dyn Fn(&Pixel) -> f32 + Sync + 'a>;
 
 /// Layers of the EXR: the light by its way, and what the first surface is.
-fn exr_bytes(path: &Path, picture: &Picture) -> Result<Vec<u8>, ImageError> {
+fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, ImageError> {
     let scale = 1.0 / picture.spp.max(1) as f32;
     let layers: [ColorLayer; 7] = [
         ("", |p| p.sum.sum()),
@@ -95,6 +94,9 @@ fn exr_bytes(path: &Path, picture: &Picture) -> Result<Vec<u8>, ImageError> {
         for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
             values.push((format!("{layer}{channel}"), Box::new(move |p| color(p)[i] * scale)));
         }
+    }
+    if alpha {
+        values.push(("A".into(), Box::new(|p: &Pixel| picture.alpha(p))));
     }
     if picture.passes > 1 {
         for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
@@ -116,6 +118,8 @@ fn exr_bytes(path: &Path, picture: &Picture) -> Result<Vec<u8>, ImageError> {
     // One attribute of our own: the order of several would change from run to run.
     attributes.other.insert(SPP.into(), AttributeValue::I32(picture.spp as i32));
     let size = (picture.width as usize, picture.height as usize);
+    // A part of a film lies where it lies in the whole.
+    attributes.layer_position = exr::math::Vec2(picture.corner[0] as i32, picture.corner[1] as i32);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut out = Cursor::new(Vec::new());
     ExrImage::from_layer(layer).write().to_buffered(&mut out).map_err(|e| content(path, e))?;

@@ -66,7 +66,7 @@ impl Integrator for PathTracer {
             let hidden = segments == 1 && self.settings.hide_emitters;
             let counts = !hidden && (segments > 2 || !self.indirect_only);
             if !hit.exists() {
-                if counts {
+                if counts && !(segments == 1 && self.settings.hide_environment) {
                     let light = environment(world, &ray, &path);
                     path.add(segments, light);
                 }

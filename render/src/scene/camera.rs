@@ -3,8 +3,8 @@
 use glam::{Affine3A, Vec2};
 use serde::{Deserialize, Serialize};
 
-/// A camera that sees everything sharp. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's
-/// frame), so a loader of a format that looks along −z with x to the right turns it by half a turn about y.
+/// A camera. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's frame), so a loader of a
+/// format that looks along −z with x to the right turns it by half a turn about y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Camera frame to world; its axes are of unit length, and orthogonal but for glTF's cameras that hang on what is
@@ -20,8 +20,29 @@ pub struct Camera {
     /// positive: what lies on the axis appears that much to the left of, and above, the middle of the film (as in
     /// Mitsuba 3).
     pub principal_point: Vec2,
+    /// What makes a perspective camera see one distance sharp; `None` sees everything sharp.
+    pub lens: Option<Lens>,
     /// Pixels and filter.
     pub film: Film,
+}
+
+/// A thin lens in the plane z = 0 of the camera's frame (Mitsuba's `thinlens`): all rays of a point of the film start on a disk about
+/// the origin and meet again at the focus distance. What lies at depth z has a blur of radius R·|1/f − 1/z| in tangents of
+/// the angle of view.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lens {
+    /// Radius R of the disk in scene units, > 0: half the focal length over the f-number.
+    pub radius: f32,
+    /// Depth f along the axis of the plane that is sharp, scene units, > 0.
+    pub focus: f32,
+}
+
+impl Lens {
+    /// A lens, if both lengths are finite and > 0, and the radius is no more than 1000 times the focus distance.
+    pub fn new(radius: f32, focus: f32) -> Option<Self> {
+        let size = |x: f32| x > 0.0 && x.is_finite();
+        (size(radius) && size(focus) && radius <= 1000.0 * focus).then_some(Self { radius, focus })
+    }
 }
 
 /// The rays of a camera. Pixels are squares.
@@ -100,6 +121,7 @@ impl Default for Camera {
             near: 1e-2,
             far: 1e4,
             principal_point: Vec2::ZERO,
+            lens: None,
             film: Film { width: 768, height: 576, crop: None, filter: Filter::Gaussian { stddev: 0.5 } },
         }
     }

@@ -33,13 +33,13 @@ impl Checksums {
             camera,
             integrator,
         } = scene;
-        let IntegratorSettings { max_depth, rr_depth, hide_emitters, spp: _ } = integrator;
+        let IntegratorSettings { max_depth, rr_depth, hide_emitters, hide_environment, spp: _ } = integrator;
         let mut geometry = Hash::default();
         geometry.encoded(&(shapes, groups, instances, lights, environment, max_depth, rr_depth));
         let mut surfaces = Hash::default();
         surfaces.encoded(&(materials, textures));
         let mut view = Hash::default();
-        view.encoded(&(camera, hide_emitters));
+        view.encoded(&(camera, hide_emitters, hide_environment));
         Self { geometry: geometry.finish(), materials: surfaces.finish(), camera: view.finish() }
     }
 }

@@ -13,7 +13,7 @@ mod shapes;
 mod texture;
 mod validate;
 
-pub use camera::{Camera, Crop, Film, Filter, Projection};
+pub use camera::{Camera, Crop, Film, Filter, Lens, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
@@ -35,13 +35,15 @@ pub struct IntegratorSettings {
     pub rr_depth: u32,
     /// Whether emitters and the environment are invisible to the camera.
     pub hide_emitters: bool,
+    /// Whether the environment alone is, so that a picture may have a transparent background.
+    pub hide_environment: bool,
     /// Samples per pixel the file asks for.
     pub spp: u32,
 }
 
 impl Default for IntegratorSettings {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, spp: 16 }
+        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, hide_environment: false, spp: 16 }
     }
 }
 

@@ -233,6 +233,13 @@ impl Scene {
                 require(visible, || format!("an orthographic camera that is {half_width} wide"))?;
             }
         }
+        if let Some(lens) = c.lens {
+            let perspective = matches!(c.projection, Projection::Perspective { .. });
+            require(perspective, || "an orthographic camera has no lens".into())?;
+            let Lens { radius, focus } = lens;
+            let lens = Lens::new(radius, focus);
+            require(lens.is_some(), || format!("a lens of radius {radius} that is focused at {focus}"))?;
+        }
         require(c.near >= 0.0 && c.near < c.far, || format!("clip distances {} … {}", c.near, c.far))?;
         let pixels = u64::from(film.width) * u64::from(film.height);
         require(pixels > 0 && pixels <= 1 << 28, || format!("film of {} × {} pixels", film.width, film.height))?;

@@ -173,6 +173,6 @@ fn wrong_sensors_are_refused() {
     let e = Folder::new().with("s.xml", fisheye).load("s.xml", &[]).unwrap_err();
     assert_eq!(
         e,
-        "s.xml:2:2: <sensor type=\"fisheye\">: the sensor `fisheye` is not supported (only `perspective` and `orthographic`)"
+        "s.xml:2:2: <sensor type=\"fisheye\">: the sensor `fisheye` is not supported (only `perspective`, `thinlens` and `orthographic`)"
     );
 }

@@ -67,7 +67,10 @@ impl Outputs {
         let fits = path.extension().is_some_and(|e| extensions.iter().any(|x| e.eq_ignore_ascii_case(x)));
         if !fits && !matches!(Place::of(path), Ok(Place::Special { .. })) {
             let names: Vec<_> = extensions.iter().map(|e| format!(".{e}")).collect();
-            let what = format!("the name must end in {}", names.join(" or "));
+            let what = match names.split_last() {
+                Some((last, rest)) if !rest.is_empty() => format!("the name must end in {} or {last}", rest.join(", ")),
+                _ => format!("the name must end in {}", names.concat()),
+            };
             return Err(OutputError { path: path.into(), what });
         }
         self.file(path)

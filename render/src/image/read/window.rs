@@ -36,6 +36,8 @@ pub struct Windows {
     pub display: Window,
     /// The pixels in the file: black outside of them, cut off outside of the display window.
     pub data: Window,
+    /// Whether the display window may be a part of a film, with its place there: `render image --crop` writes it so.
+    pub placed: bool,
 }
 
 impl Windows {
@@ -46,6 +48,13 @@ impl Windows {
 
     /// Whether these are different parts of one picture, which have nothing to be compared in.
     pub fn are_other_parts_than(&self, other: &Self) -> bool {
+        if self.placed
+            && other.placed
+            && self.display.size == other.display.size
+            && self.display.min != other.display.min
+        {
+            return true;
+        }
         self.display == other.display && self.is_part() && other.is_part() && self.data != other.data
     }
 }
@@ -57,7 +66,11 @@ mod tests {
     #[test]
     fn parts_of_one_picture() {
         let display = Window { min: [-4, 0], size: [32, 16] };
-        let part = |x, y, width, height| Windows { display, data: Window { min: [x, y], size: [width, height] } };
+        let part = |x, y, width, height| Windows {
+            display,
+            data: Window { min: [x, y], size: [width, height] },
+            placed: false,
+        };
         let (left, right) = (part(-4, 0, 16, 16), part(12, 0, 16, 16));
         assert!(left.are_other_parts_than(&right) && !left.are_other_parts_than(&left));
         // A file that holds the whole picture, or more, can be compared with any part.
@@ -66,6 +79,14 @@ mod tests {
         }
         let elsewhere = Windows { display: Window { min: [0, 0], ..display }, ..right };
         assert!(!left.are_other_parts_than(&elsewhere));
+        // Two crops of one size by `render image` are the same part only in the same place; others may lie anywhere.
+        let crop = |x, placed| {
+            let window = Window { min: [x, 2], size: [5, 4] };
+            Windows { display: window, data: window, placed }
+        };
+        assert!(crop(0, true).are_other_parts_than(&crop(3, true)));
+        assert!(!crop(3, true).are_other_parts_than(&crop(3, true)));
+        assert!(!crop(3, true).are_other_parts_than(&crop(0, false)));
         assert_eq!(right.data.to_string(), "(12, 0) to (27, 15)");
     }
 }

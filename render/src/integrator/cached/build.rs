@@ -5,6 +5,7 @@ use super::incident::IncidentTracer;
 use super::points::{Point, pixel_point};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
+use super::views::RIM_VIEWS;
 use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, clamp_to_neighbours};
 use crate::camera::RayGenerator;
 use crate::film::widest;
@@ -36,6 +37,8 @@ pub struct Builder<'a> {
     pub(super) points: Vec<Option<Point>>,
     pub(super) grid: Grid,
     pub(super) counts: Mutex<Counts>,
+    /// Points of the rim of the lens.
+    pub(super) rim: Vec<Vec3A>,
 }
 
 impl<'a> Builder<'a> {
@@ -56,7 +59,8 @@ impl<'a> Builder<'a> {
             .map(|i| pixel_point(world, &generator, pixel(i), seed, max))
             .collect();
         let grid = Grid { width: window.width, height: window.height };
-        Self { world, policy, environment, quality, seed, points, grid, counts: Mutex::default() }
+        let rim = generator.rim(RIM_VIEWS).collect();
+        Self { world, policy, environment, quality, seed, points, grid, counts: Mutex::default(), rim }
     }
 
     /// Fills all caches, beginning with those of an earlier run, until the deadline; `progress` is told the share of the work done.
@@ -246,66 +250,7 @@ impl<'a> Builder<'a> {
         };
         cells.into_iter().map(|c| (c, per_cell(&c))).collect()
     }
-
-    /// Views of the same surface that will read the record of pixel `i`, and how far they reach in pixels: less where the
-    /// surface is so curved that its mirror directions leave the region that a record can hold finely.
-    pub(super) fn views(&self, point: &Point, i: usize, lobe_width: f32) -> (Vec<View>, f32) {
-        let RadiusPolicy { min_pixels, max_pixels, .. } = self.quality.eas;
-        let mut reach = max_pixels;
-        loop {
-            let views = self.views_within(point, i, reach);
-            let mirror = |v: &View| 2.0 * v.normal.dot(v.wo) * v.normal - v.wo;
-            let center = mirror(&views[0]);
-            let spread = views.iter().map(|v| mirror(v).dot(center)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
-            if reach <= min_pixels || spread <= MAX_SPREAD * lobe_width {
-                return (views, reach);
-            }
-            reach = (0.7 * reach).max(min_pixels);
-        }
-    }
-
-    fn views_within(&self, point: &Point, i: usize, reach: f32) -> Vec<View> {
-        let pixels = reach.ceil() as i32;
-        let (x, y) = ((i as u32 % self.grid.width) as i32, (i as u32 / self.grid.width) as i32);
-        let mut views = vec![point.view()];
-        for (dx, dy) in VIEWS {
-            let (px, py) = (x + dx * pixels / 4, y + dy * pixels / 4);
-            let inside = px >= 0 && py >= 0 && px < self.grid.width as i32 && py < self.grid.height as i32;
-            if !inside || (px, py) == (x, y) {
-                continue;
-            }
-            let Some(other) = &self.points[py as usize * self.grid.width as usize + px as usize] else { continue };
-            let near = other.at.p.distance(point.at.p) <= 1.5 * reach * point.footprint;
-            if near && other.material == point.material {
-                views.push(other.view());
-            }
-        }
-        views
-    }
 }
-
-/// Where the views of a record are taken, in quarters of its reach.
-const VIEWS: [(i32, i32); 16] = [
-    (-4, 0),
-    (4, 0),
-    (0, -4),
-    (0, 4),
-    (-3, -3),
-    (3, -3),
-    (-3, 3),
-    (3, 3),
-    (-2, 0),
-    (2, 0),
-    (0, -2),
-    (0, 2),
-    (-1, -2),
-    (2, -1),
-    (-2, 1),
-    (1, 2),
-];
-
-/// Largest angle between the mirror directions of a record's views, in lobe widths.
-const MAX_SPREAD: f32 = 5.0;
 
 /// Adds a record whose radius its neighbours may bound.
 pub(super) fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {

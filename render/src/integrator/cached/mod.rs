@@ -13,6 +13,8 @@ mod probe;
 mod settings;
 mod shade;
 mod spacing;
+mod surface;
+mod views;
 
 use crate::cache::Spacing;
 use crate::camera::RayGenerator;
@@ -36,9 +38,10 @@ pub use probe::{Probe, ProbeError};
 use rayon::prelude::*;
 pub use settings::{Quality, TOLERANCE};
 pub use shade::LightSplit;
-use shade::{Shader, Surface};
+use shade::Shader;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+use surface::{Grouping, Surface};
 
 /// What to render with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,6 +183,7 @@ pub fn render_cached(
         quality,
         indirect_only: settings.indirect_only,
         cone: PixelCone::new(world),
+        grouping: Grouping::new(world.scene.camera.lens.is_some()),
     };
     let (picture, negative_pixels) =
         shade(&shader, settings, start, &|x| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x));
@@ -244,7 +248,8 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                 if summable(indirect.sum()) {
                     pixel.sum.indirect = pixel.sum.indirect + indirect;
                     // Records may ring; a pixel never shines less than not at all.
-                    if indirect.diffuse.min(indirect.glossy).min_element() < 0.0 {
+                    let all = pixel.sum.indirect;
+                    if indirect.diffuse.min(indirect.glossy).min(all.diffuse).min(all.glossy).min_element() < 0.0 {
                         negative += 1;
                         pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
                     }
@@ -274,7 +279,7 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
             .par_chunks_mut(width)
             .zip(surfaces.par_chunks_mut(width))
             .enumerate()
-            .map(|(y, (row, surfaces))| {
+            .map_init(Scratch::default, |scratch, (y, (row, surfaces))| {
                 let mut queries = Queries::default();
                 each_pixel(
                     (window.x, window.y + y as u32),
@@ -284,9 +289,9 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
                     |at, pixel, surfaces| {
                         for index in spp..spp + pass {
                             let mut sampler = Sampler::new(settings.seed, at, index);
-                            let ray = camera.ray(at.0, at.1, sampler.next_2d());
+                            let ray = camera.sample(at.0, at.1, &mut sampler);
                             queries.counts.paths += 1;
-                            let mut sample = shader.direct(ray, &mut sampler, surfaces, &mut queries);
+                            let mut sample = shader.direct(ray, &mut sampler, surfaces, scratch, &mut queries);
                             sample = sample.finite(&mut queries);
                             if sample.distance > 0.0 {
                                 sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
@@ -328,6 +333,14 @@ fn shade(shader: &Shader, settings: &Settings, start: Instant, progress: &(dyn F
         })
         .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1));
     counts += traced;
-    let picture = Picture { width: window.width, height: window.height, pixels, spp, passes: 0, counts };
+    let picture = Picture {
+        width: window.width,
+        height: window.height,
+        corner: [window.x, window.y],
+        pixels,
+        spp,
+        passes: 0,
+        counts,
+    };
     (picture, negative)
 }

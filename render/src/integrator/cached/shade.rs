@@ -7,6 +7,7 @@ use super::incident::{IncidentTracer, interpolated};
 use super::points::{PixelCone, Point, Seen, see};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
+use super::surface::{Grouping, Surface};
 use crate::bsdf::{Bsdf, Split};
 use crate::integrator::Radiance;
 use crate::light::Lights;
@@ -34,6 +35,8 @@ pub struct Shader<'a> {
     pub indirect_only: bool,
     /// Opening angle of a pixel.
     pub cone: PixelCone,
+    /// Which samples of a pixel are shaded as one.
+    pub(super) grouping: Grouping,
 }
 
 /// The lights of a world, divided between records and pixels.
@@ -58,29 +61,6 @@ impl LightSplit {
     }
 }
 
-/// A surface in a pixel: what its samples have in common is shaded once.
-#[derive(Clone, Copy)]
-pub struct Surface {
-    point: Point,
-    samples: f32,
-    /// Sums over the samples.
-    position: Vec3A,
-    normal: Vec3A,
-    wo: Vec3A,
-    diffuse: Rgb,
-    specular: Rgb,
-}
-
-impl Surface {
-    /// Samples of the pixel that show it.
-    pub fn samples(&self) -> u64 {
-        self.samples as u64
-    }
-}
-
-/// Most surfaces of a pixel that are told apart; further ones are shaded where they are met.
-const MAX_SURFACES: usize = 8;
-
 /// Doubt about records that is borne without tracing.
 const DOUBT: f32 = 0.1;
 
@@ -91,13 +71,15 @@ const DOUBTED: f32 = 64.0;
 const MIN_TRACED: f32 = 8.0;
 
 impl Shader<'_> {
-    /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`].
+    /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`]. Where a pixel shows
+    /// too many of them, the indirect light of this one too.
     #[inline(always)]
     pub fn direct(
         &self,
         ray: Ray,
         sampler: &mut Sampler,
         surfaces: &mut Vec<Surface>,
+        scratch: &mut Scratch,
         queries: &mut Queries,
     ) -> Radiance {
         let (world, settings) = (self.world, &self.world.scene.integrator);
@@ -127,7 +109,7 @@ impl Shader<'_> {
         if let Seen::Nothing { direction, throughput, segments } = seen {
             let light = environment(&world.lights, direction, None) * throughput;
             match segments {
-                1 if settings.hide_emitters => (),
+                1 if settings.hide_emitters || settings.hide_environment => (),
                 1 => emitted += light,
                 _ => through_mirrors += light,
             }
@@ -156,7 +138,20 @@ impl Shader<'_> {
             Treatment::Traced => {
                 out.indirect = out.indirect + self.traced(&point, &bsdf, None, choice.y, scattering, sampler, queries)
             }
-            _ => note(&point, &bsdf, surfaces),
+            treatment => {
+                let width = match treatment {
+                    Treatment::Eas { lobe, .. } => Some(self.policy.lobes[lobe].width),
+                    Treatment::Harmonics { brdf } => Some(self.policy.harmonics[brdf].specular.lobe_width() as f32),
+                    Treatment::Irradiance | Treatment::Traced => None,
+                };
+                let sample = Surface::new(&point, &bsdf);
+                if let Some(alone) = sample.and_then(|sample| self.grouping.note(sample, width, surfaces))
+                    && self.has_indirect(&alone)
+                {
+                    let one_path = |_: f32| (1, |_: u32| *sampler);
+                    out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries);
+                }
+            }
         }
         out
     }
@@ -224,16 +219,26 @@ impl Shader<'_> {
         scratch: &mut Scratch,
         queries: &mut Queries,
     ) -> Split {
-        let depth = self.world.scene.integrator.max_depth;
-        let seen = surfaces.iter().filter(|s| s.point.segments + 1 < depth + u32::from(self.split.held.is_some()));
-        seen.map(|s| self.surface(s, samplers, scratch, queries)).fold(Split::ZERO, |a, b| a + b)
+        let seen = surfaces.iter().filter(|s| self.has_indirect(s));
+        let sum = |sum: Split, s: &Surface| {
+            let paths = |doubt: f32| (s.samples.max(MIN_TRACED).max(DOUBTED * doubt) as u32, samplers);
+            sum + self.surface(s, &paths, scratch, queries)
+        };
+        seen.fold(Split::ZERO, sum)
     }
 
+    /// Whether paths are long enough for the light of records.
+    fn has_indirect(&self, s: &Surface) -> bool {
+        let depth = self.world.scene.integrator.max_depth;
+        s.point.segments + 1 < depth + u32::from(self.split.held.is_some())
+    }
+
+    /// Indirect light of a surface. `paths` tells how many to trace by the doubt about records, and the sample points of each.
     #[inline(always)]
-    fn surface(
+    fn surface<S: Fn(u32) -> Sampler>(
         &self,
         s: &Surface,
-        samplers: &impl Fn(u32) -> Sampler,
+        paths: &impl Fn(f32) -> (u32, S),
         scratch: &mut Scratch,
         queries: &mut Queries,
     ) -> Split {
@@ -266,7 +271,7 @@ impl Shader<'_> {
             // Nothing reaches here: trace instead.
             _ => {
                 let bsdf = self.world.bsdf(&s.point.at);
-                let count = s.samples.max(MIN_TRACED).max(DOUBTED * doubt) as u32;
+                let (count, samplers) = paths(doubt);
                 let held = self.split.held.as_ref();
                 let sum = (0..count).fold(Split::ZERO, |sum, path| {
                     let mut sampler = samplers(path);
@@ -318,41 +323,4 @@ impl Shader<'_> {
 fn turned(point: &Point, normal: Vec3A) -> crate::frame::Frame {
     let x = point.frame.to_world(Vec3A::X);
     crate::frame::Frame::with_tangent(normal, x)
-}
-
-/// Adds a sample to the surface it belongs to.
-fn note(point: &Point, bsdf: &Bsdf, surfaces: &mut Vec<Surface>) {
-    let Some(parts) = bsdf.parts() else { return };
-    let normal = bsdf.normal();
-    let same = surfaces.iter().position(|s| {
-        s.point.material == point.material
-            && s.point.segments == point.segments
-            && s.point.frame.normal().dot(normal) > 0.999
-            && s.point.at.wo.dot(point.at.wo) > 0.99
-            && s.point.at.p.distance_squared(point.at.p) < (6.0 * point.footprint).powi(2)
-    });
-    let index = same.unwrap_or_else(|| {
-        if surfaces.len() < MAX_SURFACES {
-            // Most pixels show one surface: room for four would cost more to touch than to fill.
-            surfaces.reserve_exact(1);
-            let zero = Vec3A::ZERO;
-            surfaces.push(Surface {
-                point: *point,
-                samples: 0.0,
-                position: zero,
-                normal: zero,
-                wo: zero,
-                diffuse: zero,
-                specular: zero,
-            });
-        }
-        surfaces.len() - 1
-    });
-    let s = &mut surfaces[index];
-    s.samples += 1.0;
-    s.diffuse += point.throughput * parts.diffuse;
-    s.specular += point.throughput * parts.specular;
-    s.position += point.at.p;
-    s.normal += normal;
-    s.wo += point.at.wo;
 }

@@ -2,8 +2,8 @@
 
 use super::super::{
     AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Falloff, Film, Filter,
-    FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Rows,
-    Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
+    FloatTexture, Geometry, Group, Instance, Interpolation, Lens, Light, Material, MaterialId, Mesh, Projection, Rgb,
+    Rows, Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
 };
 use super::*;
 use brdf_tables::brdf::{Sheen, Specular};
@@ -112,6 +112,7 @@ fn scenes() -> Vec<Scene> {
                 crop: Some(Crop { x: 1, y: 2, width: 3, height: 4 }),
                 filter: Filter::Gaussian { stddev: 0.5 },
             },
+            lens: Some(Lens { radius: 0.1, focus: 2.0 }),
             ..Camera::default()
         },
         integrator: IntegratorSettings { max_depth: 5, ..IntegratorSettings::default() },
@@ -214,7 +215,9 @@ fn every_field_counts() {
                 // What changes no light.
                 ("material_names", _) | (_, "/integrator/spp") => (false, false, false),
                 // What leaves records useful, but asks for more of them.
-                ("camera", _) | (_, "/integrator/hide_emitters") => (false, false, true),
+                ("camera", _) | (_, "/integrator/hide_emitters" | "/integrator/hide_environment") => {
+                    (false, false, true)
+                }
                 ("materials" | "textures", _) => (false, true, false),
                 _ => (true, false, false),
             };

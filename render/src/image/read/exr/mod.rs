@@ -74,7 +74,8 @@ impl<'a> File<'a> {
     fn pixels(&self, layer: &Layer) -> Result<Pixels, String> {
         let header = &self.meta.headers[layer.part];
         let display = window(header.shared_attributes.display_window)?;
-        let windows = Windows { display, data: window(header.data_window())? };
+        let placed = header.own_attributes.other.contains_key(&Text::from(SPP));
+        let windows = Windows { display, data: window(header.data_window())?, placed };
         let [width, height] = display.size;
         let (count, held) = ((width * height) as usize, header.layer_size.area());
         if count > MAX_EMPTY && count / MAX_EMPTINESS > held {
@@ -122,7 +123,7 @@ struct Picture<'a> {
 impl Picture<'_> {
     /// Where a line of the data window lies in the picture: the first index, and which of its samples are inside.
     fn place(&self, [x, y]: [usize; 2], count: usize) -> Option<(usize, std::ops::Range<usize>)> {
-        let Windows { display, data } = self.windows;
+        let Windows { display, data, .. } = self.windows;
         let [left, top] = [0, 1].map(|i| i64::from(data.min[i]) - i64::from(display.min[i]));
         let [width, height] = display.size.map(i64::from);
         let (left, row) = (left + x as i64, top + y as i64);

@@ -4,7 +4,7 @@ use super::Builder;
 use super::object::Object;
 use crate::scene::load::error::LoadError;
 use crate::scene::load::similarity::similarity;
-use crate::scene::{Camera, Crop, Film, Filter, Projection};
+use crate::scene::{Camera, Crop, Film, Filter, Lens, Projection};
 use glam::{DAffine3, DMat3, Vec2};
 
 /// Larger films are refused.
@@ -14,13 +14,11 @@ impl Builder<'_> {
     pub(super) fn sensor(&mut self, object: &Object) -> Result<(), LoadError> {
         match object.plugin.as_str() {
             "perspective" | "orthographic" => object.ignore(&["focus_distance"]),
-            "thinlens" => {
-                object.ignore(&["aperture_radius", "focus_distance"]);
-                self.warn(object, "`thinlens` is drawn as a pinhole camera: everything is sharp");
-            }
+            "thinlens" => {}
             other => {
-                return Err(object
-                    .error(format!("the sensor `{other}` is not supported (only `perspective` and `orthographic`)")));
+                return Err(object.error(format!(
+                    "the sensor `{other}` is not supported (only `perspective`, `thinlens` and `orthographic`)"
+                )));
             }
         }
         object.ignore(&["shutter_open", "shutter_close"]);
@@ -47,12 +45,14 @@ impl Builder<'_> {
         if !(0.0 <= near && near < far) {
             return Err(object.error(format!("clip distances of {near} and {far}")));
         }
+        let lens = if object.plugin == "thinlens" { lens(object, far)? } else { None };
         self.scene.camera = Camera {
             to_world: DAffine3 { matrix3: rotation, translation: to_world.translation }.as_affine3a(),
             projection,
             near: near * depth,
             far: far + near * (depth - 1.0),
             principal_point: Vec2::new(shift("principal_point_offset_x")?, shift("principal_point_offset_y")?),
+            lens,
             film,
         };
         Ok(())
@@ -141,6 +141,20 @@ fn orthographic(object: &Object, matrix: DMat3) -> Result<Placed, LoadError> {
         .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal, x and y of equal length"))?;
     let projection = Projection::Orthographic { half_width: width as f32 };
     Ok(Placed { rotation, projection, depth: depth as f32 })
+}
+
+/// The lens of a `thinlens`, lengths in scene units; one that is not focused is sharp at the far plane, one without radius
+/// everywhere, as in Mitsuba.
+fn lens(object: &Object, far: f32) -> Result<Option<Lens>, LoadError> {
+    let radius = object.number("aperture_radius")?;
+    let radius = radius.ok_or_else(|| object.error("the parameter `aperture_radius` is missing"))? as f32;
+    let focus = object.number_or("focus_distance", far.into())? as f32;
+    match Lens::new(radius, focus) {
+        None if radius != 0.0 || focus <= 0.0 => {
+            Err(object.error(format!("an aperture radius of {radius} and a focus distance of {focus}")))
+        }
+        lens => Ok(lens),
+    }
 }
 
 /// Horizontal field of view in radians from `fov` and `fov_axis`, or from `focal_length`; `aspect` is width over height.

@@ -1,0 +1,76 @@
+//! How pictures look: options for what people see, and for what a compositor lays over something else.
+
+use anyhow::{Result, bail};
+use fitter::command::number::number;
+use render::image::view::{Display, View};
+use render::image::{Format, Look};
+use render::scene::Film;
+use std::path::PathBuf;
+
+/// Largest exposure either way, stops.
+const MAX_EXPOSURE: f32 = 64.0;
+
+/// Options of how pictures look.
+#[derive(Debug, clap::Args)]
+pub struct Looking {
+    /// Brighten PNG, JPEG and WebP by so many stops: each is a factor of two on the light, −1 is half. EXR keeps the light
+    /// [default: 0].
+    #[arg(long, value_name = "EV", value_parser = number(-MAX_EXPOSURE..=MAX_EXPOSURE, "a number of stops from -64 to 64"))]
+    exposure: Option<f32>,
+    /// How PNG, JPEG and WebP show light that is brighter than a screen. EXR keeps the light [default: standard].
+    #[arg(long, value_enum)]
+    view: Option<View>,
+    /// Leave the sky out where the camera looks straight into it, and write alpha: the share of a pixel that shows surfaces
+    /// (EXR, PNG, WebP).
+    ///
+    /// The sky still lights the scene, and shows in mirrors and through glass, which therefore count as surfaces. The holes of
+    /// masks do not. Edges are as soft as the film's filter makes them. Colours in EXR are multiplied by alpha, those in PNG
+    /// and WebP are not, as these formats ask for.
+    #[arg(long)]
+    pub(super) transparent: bool,
+}
+
+impl Looking {
+    /// Refuses options that none of the outputs can show. `others` tells of a PNG beside them.
+    ///
+    /// # Errors
+    /// One line with the option.
+    pub fn check(&self, outputs: &[PathBuf], others: bool) -> Result<()> {
+        let formats = || outputs.iter().filter_map(|path| Some((path, Format::of(path)?)));
+        let shown = others || formats().next().is_some();
+        for (option, given) in [("--exposure", self.exposure.is_some()), ("--view", self.view.is_some())] {
+            if given && !shown {
+                bail!("{option} needs an output for a screen (.png, .jpg or .webp): EXR keeps the light as it is");
+            }
+        }
+        if self.transparent
+            && let Some((path, format)) = formats().find(|(_, format)| !format.is_transparent())
+        {
+            bail!("{}: {} holds no transparency: write .png, .webp or .exr", path.display(), format.name());
+        }
+        Ok(())
+    }
+
+    /// As pictures are written.
+    pub fn look(&self) -> Look {
+        let display = Display::new(self.view.unwrap_or_default(), self.exposure.unwrap_or(0.0));
+        Look { display, alpha: self.transparent }
+    }
+}
+
+/// Refuses a film that is larger than a format of the outputs can be.
+///
+/// # Errors
+/// One line with the file and the largest size.
+pub(super) fn check_size(outputs: &[PathBuf], film: &Film) -> Result<()> {
+    let window = film.window();
+    for path in outputs {
+        let Some(format) = Format::of(path) else { continue };
+        let (name, most) = (format.name(), format.max_size());
+        if window.width.max(window.height) > most {
+            let (w, h) = (window.width, window.height);
+            bail!("{}: {name} has at most {most} pixels either way, the film has {w} × {h}", path.display());
+        }
+    }
+    Ok(())
+}

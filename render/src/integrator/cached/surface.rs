@@ -1,0 +1,100 @@
+//! The surfaces of a pixel: samples that show the same one are shaded together.
+
+use super::points::Point;
+use crate::bsdf::Bsdf;
+use crate::scene::Rgb;
+use glam::Vec3A;
+
+/// A surface in a pixel: what its samples have in common is shaded once.
+#[derive(Clone, Copy)]
+pub struct Surface {
+    pub(super) point: Point,
+    pub(super) samples: f32,
+    /// Sums over the samples.
+    pub(super) position: Vec3A,
+    pub(super) normal: Vec3A,
+    pub(super) wo: Vec3A,
+    pub(super) diffuse: Rgb,
+    pub(super) specular: Rgb,
+}
+
+impl Surface {
+    /// What one sample shows; `None` for a model without separate parts.
+    pub(super) fn new(point: &Point, bsdf: &Bsdf) -> Option<Self> {
+        let parts = bsdf.parts()?;
+        Some(Self {
+            point: *point,
+            samples: 1.0,
+            position: point.at.p,
+            normal: bsdf.normal(),
+            wo: point.at.wo,
+            diffuse: point.throughput * parts.diffuse,
+            specular: point.throughput * parts.specular,
+        })
+    }
+
+    /// Samples of the pixel that show it.
+    pub fn samples(&self) -> u64 {
+        self.samples as u64
+    }
+
+    /// Whether another sample shows the same, up to an angle between the views of the given cosine.
+    fn is(&self, other: &Self, views: f32) -> bool {
+        let (a, b) = (&self.point, &other.point);
+        a.material == b.material
+            && a.segments == b.segments
+            && a.frame.normal().dot(other.normal) > 0.999
+            && a.at.wo.dot(b.at.wo) > views
+            && a.at.p.distance_squared(b.at.p) < (6.0 * b.footprint).powi(2)
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.position += other.position;
+        self.normal += other.normal;
+        self.wo += other.wo;
+        self.diffuse += other.diffuse;
+        self.specular += other.specular;
+    }
+}
+
+/// How samples of a pixel are put together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grouping {
+    /// Most surfaces of a pixel that are told apart.
+    most: usize,
+    /// Whether views spread over a lens.
+    lens: bool,
+}
+
+impl Grouping {
+    /// Without a lens a pixel shows few surfaces. Behind one it may show another with every sample, too many to keep.
+    pub fn new(lens: bool) -> Self {
+        Self { most: if lens { 4 } else { 8 }, lens }
+    }
+
+    /// Cosine of the largest angle between views that are shaded as one: those from a lens are kept apart where a lobe of
+    /// this width would show it; where there is none, they make no difference.
+    fn views(self, lobe_width: Option<f32>) -> f32 {
+        match lobe_width {
+            _ if !self.lens => 0.99,
+            None => -1.0,
+            Some(width) => (0.5 * width).cos().max(0.99),
+        }
+    }
+
+    /// Adds a sample to the surface that it shows; gives it back where there is no room for one more.
+    pub fn note(self, sample: Surface, lobe_width: Option<f32>, surfaces: &mut Vec<Surface>) -> Option<Surface> {
+        let views = self.views(lobe_width);
+        if let Some(same) = surfaces.iter_mut().find(|s| s.is(&sample, views)) {
+            same.add(&sample);
+        } else if surfaces.len() < self.most {
+            // Most pixels show one surface: room for four would cost more to touch than to fill.
+            surfaces.reserve_exact(1);
+            surfaces.push(sample);
+        } else {
+            return Some(sample);
+        }
+        None
+    }
+}
