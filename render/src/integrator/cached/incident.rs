@@ -75,7 +75,7 @@ impl IncidentTracer<'_> {
                 * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, on_light, queries).sum();
             if let Some((parts, irradiance)) = cached {
                 found.radiance += throughput * parts.diffuse * mean_radiance(irradiance);
-                if parts.specular == Rgb::ZERO {
+                if parts.is_diffuse() {
                     break;
                 }
             }

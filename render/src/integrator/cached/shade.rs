@@ -7,7 +7,7 @@ use super::incident::{IncidentTracer, interpolated};
 use super::points::{PixelCone, Point, Seen, see};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
-use crate::bsdf::{Bsdf, Split};
+use crate::bsdf::{Bsdf, Parts, Split};
 use crate::integrator::Radiance;
 use crate::light::Lights;
 use crate::ray::Ray;
@@ -67,8 +67,7 @@ pub struct Surface {
     position: Vec3A,
     normal: Vec3A,
     wo: Vec3A,
-    diffuse: Rgb,
-    specular: Rgb,
+    parts: Parts,
 }
 
 impl Surface {
@@ -244,7 +243,7 @@ impl Shader<'_> {
         let (cached, traced) = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
                 let found = interpolated(&self.caches.irradiance, position, hemisphere);
-                (found.map(|e| Split { diffuse: s.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
+                (found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
             }
             Treatment::Eas { lobe, traced } => {
                 let at = Receiver { position, frame: turned(&s.point, normal), wo: Vec3A::Z };
@@ -256,8 +255,7 @@ impl Shader<'_> {
             Treatment::Harmonics { brdf } => {
                 let frame = turned(&s.point, normal);
                 let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                let colors = (s.diffuse, s.specular);
-                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, colors)
+                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, &s.parts)
             }
             Treatment::Traced => (None, 1.0),
         };
@@ -293,7 +291,7 @@ impl Shader<'_> {
         scratch: &mut Scratch,
     ) -> (Option<Split>, f32) {
         let lobe = &self.policy.lobes[lobe];
-        let reflector = Reflector { table: &lobe.table, diffuse: s.diffuse, specular: s.specular };
+        let reflector = Reflector::of(&lobe.table, &s.parts);
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
         // `sum.trust` is the weight of the specular sum.
         self.caches.eas.interpolate(at.position, normal, self.quality.weight, |record, w| {
@@ -307,8 +305,8 @@ impl Shader<'_> {
         });
         let doubt = ((1.0 - sum.trust / weights) - DOUBT) / (1.0 - DOUBT);
         let cached = (weights > 1e-3).then(|| Split {
-            diffuse: s.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
-            glossy: s.specular * (sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE)),
+            diffuse: s.parts.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
+            glossy: sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
         });
         (cached, doubt.max(0.0))
     }
@@ -342,16 +340,14 @@ fn note(point: &Point, bsdf: &Bsdf, surfaces: &mut Vec<Surface>) {
                 position: zero,
                 normal: zero,
                 wo: zero,
-                diffuse: zero,
-                specular: zero,
+                parts: Parts::default(),
             });
         }
         surfaces.len() - 1
     });
     let s = &mut surfaces[index];
     s.samples += 1.0;
-    s.diffuse += point.throughput * parts.diffuse;
-    s.specular += point.throughput * parts.specular;
+    s.parts += parts * point.throughput;
     s.position += point.at.p;
     s.normal += normal;
     s.wo += point.at.wo;

@@ -3,6 +3,7 @@
 
 use super::basis::{Basis, MAX_ORDER, PACKED, PerM, WIDTH, legendre_rows, multiples, row, row_length};
 use super::projection::{BLOCK, Sum, accumulate};
+use crate::record::Edge;
 use brdf_tables::brdf::{Brdf, Specular};
 use brdf_tables::gauss::gauss_legendre;
 use core::f64::consts::PI;
@@ -41,6 +42,8 @@ pub struct HarmonicBrdf {
     pub basis: Basis,
     /// The model.
     pub specular: Specular,
+    /// How much of its light grazes the facets.
+    pub edge: Edge,
     isotropic: bool,
     /// Intervals from the middle of the map to its rim.
     intervals: usize,
@@ -81,7 +84,7 @@ impl HarmonicBrdf {
                 texel(&specular, basis, isotropic, choice, wo)
             })
             .collect();
-        Self { basis, specular, isotropic, intervals, texels }
+        Self { basis, specular, edge: Edge::new(&specular), isotropic, intervals, texels }
     }
 
     /// Texels around a direction, with their shares.
