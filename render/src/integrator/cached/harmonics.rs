@@ -10,7 +10,7 @@ use crate::cache::{Cache, RadiusPolicy, Weight};
 use crate::frame::Frame;
 use crate::record::eas::mean_radiance;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
-use crate::record::{Colors, Receiver, Reflected, Scratch, View, fresnel_tint};
+use crate::record::{Receiver, Reflected, Scratch, View};
 use crate::world::Counts;
 use glam::Vec3A;
 use std::time::Instant;
@@ -105,13 +105,9 @@ impl Shader<'_> {
                 weights += w;
             }
         });
-        let mirror = Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z);
-        // A colour that changes with the angle is that for light from everywhere.
-        let s = brdf.edge.at(at.wo);
-        let color = Colors { normal: parts.specular, grazing: parts.grazing }.at(s) / brdf.edge.gray_at(s);
         let cached = (weights > 1e-3).then(|| Split {
             diffuse: parts.diffuse * mean_radiance(sum.irradiance / weights),
-            glossy: color * fresnel_tint(&brdf.specular, mirror, at.wo) * (sum.specular / weights),
+            glossy: brdf.color(parts, at.wo) * (sum.specular / weights),
         });
         (cached, outgoing.traced)
     }

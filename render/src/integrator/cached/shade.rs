@@ -242,7 +242,7 @@ impl Shader<'_> {
         let mut doubt = 0.0;
         let (cached, traced) = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
-                let found = interpolated(&self.caches.irradiance, position, hemisphere);
+                let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
                 (found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
             }
             Treatment::Eas { lobe, traced } => {

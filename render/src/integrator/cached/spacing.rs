@@ -73,12 +73,13 @@ impl Builder<'_> {
             let Treatment::Harmonics { brdf } = self.treatment(point) else { return None };
             let parts = self.world.bsdf(&point.at).parts()?;
             let at = Receiver { position: point.at.p, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
+            let brdf = &self.policy.harmonics[brdf];
             let found = SCRATCH.with_borrow_mut(|scratch| {
-                scratch.harmonics.look(&self.policy.harmonics[brdf], &at);
+                scratch.harmonics.look(brdf, &at);
                 scratch.harmonics.read(record, at.position)
             });
             (record.material == point.material.0)
-                .then(|| parts.diffuse * mean_radiance(found.irradiance) + parts.specular * found.specular)
+                .then(|| parts.diffuse * mean_radiance(found.irradiance) + brdf.color(&parts, at.wo) * found.specular)
         })
     }
 
