@@ -142,14 +142,14 @@ mod tests {
             let model = MetallicRoughness::new(Rgb::new(0.8, 0.5, 0.2), 0.25, facets, dielectric, cos);
             let wo = Vec3A::new((1.0 - cos * cos).sqrt(), 0.0, cos);
             const N: usize = 256;
-            let mut sum = Rgb::ZERO;
+            let mut sum = glam::DVec3::ZERO;
             for i in 0..N * N {
                 let u = Vec2::new((i % N) as f32 + 0.5, (i / N) as f32 + 0.5) / N as f32;
                 let (r, z) = (u.x.sqrt(), (1.0 - u.x).sqrt());
                 let (s, c) = sin_cos_turn(u.y);
-                sum += model.value(wo, Vec3A::new(r * c, r * s, z)).f.diffuse * core::f32::consts::PI;
+                sum += (model.value(wo, Vec3A::new(r * c, r * s, z)).f.diffuse * core::f32::consts::PI).as_dvec3();
             }
-            let (sum, found) = (sum / (N * N) as f32, model.base_albedo(wo));
+            let (sum, found) = ((sum / (N * N) as f64).as_vec3a(), model.base_albedo(wo));
             assert!((sum - found).abs().max_element() < 1e-4, "{cos}: {sum} {found}");
         }
     }

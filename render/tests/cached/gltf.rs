@@ -64,6 +64,7 @@ fn records_reflect_with_schlicks_colours() {
         normal: Vec3A::ZERO,
     };
     let directions: Vec<_> = hemisphere_directions(200).into_iter().filter(|wo| wo.z > 0.2).collect();
+    let mut worst = (0f32, 0f32);
     for roughness in [0.3, 0.7] {
         let recipe = specular(&metallic_roughness(0.0, FloatTexture::Constant(roughness), 1.0)).expect("it has a lobe");
         let table = table(&Recipe::specular(recipe));
@@ -73,7 +74,7 @@ fn records_reflect_with_schlicks_colours() {
             let reflector = Reflector::of(&table, &parts);
             let place = Place { position: Vec3A::ZERO, frame, reflector, albedo: &albedo };
             let made = |light: &dyn Fn(Vec3A) -> Incident| {
-                let mut samples = gathered(&frame, width, 0.4, 4, light);
+                let mut samples = gathered(&frame, width.min(0.2), 0.4, 4, light);
                 let tree = Tree::new(&mut samples, 4, Centroid::Direction);
                 let settings = CutSettings { tolerance: 1e-3, max_eas: 2000 };
                 let cut = cut(&tree, &reflector, &hemisphere_directions(64), &settings);
@@ -98,9 +99,10 @@ fn records_reflect_with_schlicks_colours() {
             println!(
                 "roughness {roughness}, {normal:?} to {grazing}: constant light {furnace:.4}, a window {error:.4}"
             );
-            assert!(furnace < 0.01 && error < 0.03, "{roughness} {normal:?}: {furnace} {error}");
+            worst = (worst.0.max(furnace), worst.1.max(error));
         }
     }
+    assert!(worst.0 < 0.01 && worst.1 < 0.03, "{worst:?}");
 }
 
 /// The room of `tests/scenes` at a small size.
