@@ -8,6 +8,7 @@ mod format;
 mod fuzz;
 mod limits;
 mod paper;
+mod reflectance;
 mod shipped;
 mod support;
 mod symmetry;

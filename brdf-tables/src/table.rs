@@ -2,7 +2,7 @@
 
 use crate::axis::Axes;
 use crate::batch::CapBatch;
-use crate::brdf::Specular;
+use crate::brdf::{Fresnel, Specular};
 use crate::cap::Cap;
 use crate::cubature::Cubature;
 use crate::errors::{Errors, Summary};
@@ -117,6 +117,27 @@ impl Table {
         match self.mean() {
             Some(mean) => mean.values(caps, wo, out),
             None => out[..caps.len()].fill(0.0),
+        }
+    }
+
+    /// [`Table::specular_values`] as if the facets had another reflectance (grey: [`Fresnel::gray`]). Exactly so for cubature,
+    /// which evaluates the model; for what is stored otherwise, the reflectance at the cap's axis replaces that of the table.
+    /// Without effect for models that are not of facets.
+    ///
+    /// # Panics
+    /// If `out` is shorter than the batch.
+    pub fn values_with_fresnel(&self, fresnel: Fresnel, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+        let (mean, Some(Specular::Microfacet(facets))) = (&self.representation, self.specular()) else {
+            return self.specular_values(caps, wo, out);
+        };
+        if let Representation::Cubature(table) = mean {
+            return table.values_with(fresnel, caps, wo, out);
+        }
+        self.specular_values(caps, wo, out);
+        for (i, value) in out[..caps.len()].iter_mut().enumerate() {
+            let cos = (0.5 * (caps.get(i).0 + wo).length()).min(1.0);
+            let own = facets.fresnel.gray(cos);
+            *value *= if own > 0.0 { fresnel.gray(cos) / own } else { 0.0 };
         }
     }
 

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 pub fn run(path: &str) -> Result<String, Box<dyn std::error::Error>> {
     let table = Table::load(path)?;
     let albedo = Albedo::new(&table);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::splat(0.2), specular: Vec3A::splat(0.6) };
+    let reflector = Reflector::new(&table, Vec3A::splat(0.2), Vec3A::splat(0.6));
 
     // Your renderer: radiance, distance and normal along a ray from x. Here a bright strip on a ceiling at height 2.
     let light_from = |x: Vec3A, d: Vec3A| {
@@ -49,8 +49,7 @@ pub fn run(path: &str) -> Result<String, Box<dyn std::error::Error>> {
     let (mut radiance, mut weights, mut scratch) = (Vec3A::ZERO, 0.0, Scratch::default());
     cache.interpolate(position, Vec3A::Z, Weight::Smooth, |record, w| {
         let part = reflect(record, &at, &reflector, &albedo, Estimator::Improved, &mut scratch);
-        radiance +=
-            (reflector.diffuse / core::f32::consts::PI * part.irradiance + reflector.specular * part.specular) * w;
+        radiance += (reflector.diffuse / core::f32::consts::PI * part.irradiance + part.specular) * w;
         weights += w;
     });
     Ok(format!("{} records, {} bytes, radiance {:.4}", cache.records().len(), cache.bytes(), radiance / weights))

@@ -9,6 +9,8 @@ mod failure;
 mod file;
 #[path = "cached/furnace.rs"]
 mod furnace;
+#[path = "cached/gltf.rs"]
+mod gltf;
 #[path = "cached/harmonics.rs"]
 mod harmonics;
 #[path = "support/lamp_shapes.rs"]

@@ -7,7 +7,7 @@ use super::rule::{NONE, Nodes, RULES, Rule, numbers};
 use super::{Node, Side, holds_pole, numerator};
 use crate::axis::Axes;
 use crate::batch::{CapBatch, MIN_HEIGHT};
-use crate::brdf::{Brdf, Formula, FormulaVisitor, GrayPolynomial, Specular, Visitor};
+use crate::brdf::{Brdf, Formula, FormulaVisitor, Fresnel, GrayPolynomial, Microfacet, Specular, Visitor};
 use crate::cap::Cap;
 use crate::mean::MeanBrdf;
 use crate::parts::PartsError;
@@ -56,6 +56,33 @@ impl Cubature {
         Self::new(specular, axes, &[node; 4]).expect("a rule of the list")
     }
 
+    /// [`MeanBrdf::values`] of facets of the same shape with another reflectance: the rules are of the shape.
+    pub(crate) fn values_with(&self, fresnel: Fresnel, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+        match self.specular {
+            Specular::Microfacet(facets) => {
+                let specular = Specular::Microfacet(Microfacet { fresnel, ..facets });
+                self.look_up(&specular, specular.gray_polynomial().as_ref(), caps, wo, out);
+            }
+            _ => self.values(caps, wo, out),
+        }
+    }
+
+    fn look_up(&self, specular: &Specular, gray: Option<&GrayPolynomial>, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
+        struct Run<'a>(&'a Cubature, &'a CapBatch, DVec3, &'a mut [f32]);
+        impl FormulaVisitor for Run<'_> {
+            type Output = ();
+            fn visit<M: Formula>(self, model: &M) {
+                let Run(table, caps, wo, out) = self;
+                dispatch!(Level::new(), simd => lookup(simd, table, model, caps, wo, out));
+            }
+        }
+        let out = &mut out[..caps.len()];
+        if wo.z <= 0.0 {
+            return out.fill(0.0);
+        }
+        specular.visit_formula(gray, Run(self, caps, wo.as_dvec3(), out));
+    }
+
     /// For a cap that crosses the horizon, the numerator of eq. 9 from the integral over the `whole` cap (in which cosθi is
     /// negative below the horizon), by subtracting the part below: small, so that few nodes do. The formula must hold below
     /// the horizon.
@@ -102,18 +129,6 @@ impl MeanBrdf for Cubature {
     }
 
     fn values(&self, caps: &CapBatch, wo: Vec3, out: &mut [f32]) {
-        struct Run<'a>(&'a Cubature, &'a CapBatch, DVec3, &'a mut [f32]);
-        impl FormulaVisitor for Run<'_> {
-            type Output = ();
-            fn visit<M: Formula>(self, model: &M) {
-                let Run(table, caps, wo, out) = self;
-                dispatch!(Level::new(), simd => lookup(simd, table, model, caps, wo, out));
-            }
-        }
-        let out = &mut out[..caps.len()];
-        if wo.z <= 0.0 {
-            return out.fill(0.0);
-        }
-        self.specular.visit_formula(self.gray.as_ref(), Run(self, caps, wo.as_dvec3(), out));
+        self.look_up(&self.specular, self.gray.as_ref(), caps, wo, out);
     }
 }

@@ -21,7 +21,7 @@ use crate::frame::{Frame, cosine_hemisphere};
 use crate::scene::{MaterialId, Rgb};
 pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
 use core::f32::consts::FRAC_1_PI;
-use core::ops::{Add, Mul};
+use core::ops::{Add, AddAssign, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
 pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
@@ -146,12 +146,42 @@ pub struct Bsdf<'a> {
 }
 
 /// Colours of the two parts that a cache multiplies its light by.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
     /// Albedo of the Lambertian part.
     pub diffuse: Rgb,
-    /// Factor on the specular part at unit strength, Fresnel term aside.
+    /// Factor on the specular part at unit strength where the half vector points to the eye, Fresnel term of its table aside.
     pub specular: Rgb,
+    /// The same where light grazes the half vector; between the two it follows Schlick's formula. Most models have one factor.
+    pub grazing: Rgb,
+}
+
+impl Parts {
+    /// A factor that is the same at all angles.
+    fn even(diffuse: Rgb, specular: Rgb) -> Self {
+        Self { diffuse, specular, grazing: specular }
+    }
+
+    /// Whether there is nothing but a Lambertian part.
+    #[inline]
+    pub fn is_diffuse(&self) -> bool {
+        self.specular == Rgb::ZERO && self.grazing == Rgb::ZERO
+    }
+}
+
+impl Mul<Rgb> for Parts {
+    type Output = Self;
+    fn mul(self, c: Rgb) -> Self {
+        Self { diffuse: self.diffuse * c, specular: self.specular * c, grazing: self.grazing * c }
+    }
+}
+
+impl AddAssign for Parts {
+    fn add_assign(&mut self, other: Self) {
+        self.diffuse += other.diffuse;
+        self.specular += other.specular;
+        self.grazing += other.grazing;
+    }
 }
 
 impl Bsdf<'_> {
@@ -182,10 +212,15 @@ impl Bsdf<'_> {
     /// Colours of the parts of models that are a Lambertian part and one lobe; `None` for the others.
     pub fn parts(&self) -> Option<Parts> {
         match &self.model {
-            Model::Diffuse(reflectance) => Some(Parts { diffuse: *reflectance, specular: Rgb::ZERO }),
-            Model::Glossy(m) => Some(Parts { diffuse: m.diffuse, specular: m.specular }),
-            Model::RoughMetal(m) => Some(Parts { diffuse: Rgb::ZERO, specular: m.smooth.specular }),
-            Model::RoughCoat(m) => Some(Parts { diffuse: m.base_albedo(self.wo), specular: m.specular }),
+            Model::Diffuse(reflectance) => Some(Parts::even(*reflectance, Rgb::ZERO)),
+            Model::Glossy(m) => Some(Parts::even(m.diffuse, m.specular)),
+            Model::RoughMetal(m) => Some(Parts::even(Rgb::ZERO, m.smooth.specular)),
+            Model::RoughCoat(m) => Some(Parts::even(m.base_albedo(self.wo), m.specular)),
+            Model::MetallicRoughness(m) => Some(Parts {
+                diffuse: m.base_albedo(self.wo),
+                specular: m.mixture.f0,
+                grazing: Rgb::splat(m.mixture.f90),
+            }),
             _ => None,
         }
     }

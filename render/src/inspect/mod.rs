@@ -12,7 +12,6 @@ use crate::record::{
     hemisphere_directions, reflect,
 };
 use crate::scene::Rgb;
-use brdf_tables::brdf::Brdf;
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -74,8 +73,7 @@ pub fn reflected(record: &EasRecord, place: &Place, estimator: Estimator, direct
     let of = |scratch: &mut Scratch, wo: &Vec3A| {
         let at = Receiver { position: place.position, frame: place.frame, wo: *wo };
         let part = reflect(record, &at, &place.reflector, place.albedo, estimator, scratch);
-        let Reflector { diffuse, specular, .. } = place.reflector;
-        diffuse * FRAC_1_PI * part.irradiance + specular * part.specular
+        place.reflector.diffuse * FRAC_1_PI * part.irradiance + part.specular
     };
     directions.par_iter().map_init(Scratch::default, of).collect()
 }
@@ -90,20 +88,12 @@ pub fn exact(
 ) -> Vec<Rgb> {
     let lit: Vec<_> = samples.iter().filter(|s| s.radiance != Rgb::ZERO).collect();
     let diffuse = reflector.diffuse * FRAC_1_PI * lit.iter().map(|s| s.irradiance()).sum::<Rgb>();
-    let Some(model) = reflector.table.specular() else { return vec![diffuse; directions.len()] };
     let done = core::sync::atomic::AtomicUsize::new(0);
     let of = |wo: &Vec3A| {
-        let to = wo.as_dvec3();
-        let sum: Rgb = lit
-            .iter()
-            .map(|s| {
-                let f = model.eval(s.direction.as_dvec3(), to) as f32;
-                s.irradiance() * f * reflector.tint(s.direction, *wo)
-            })
-            .sum();
+        let sum: Rgb = lit.iter().map(|s| s.irradiance() * reflector.specular(s.direction, *wo)).sum();
         let n = done.fetch_add(1, core::sync::atomic::Ordering::Relaxed);
         progress(n as f64 / directions.len() as f64);
-        diffuse + reflector.specular * sum
+        diffuse + sum
     };
     directions.par_iter().map(of).collect()
 }

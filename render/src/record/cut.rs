@@ -83,7 +83,7 @@ impl Reflected {
         let mut mean = vec![0.0; nodes.len()];
         let mut values = vec![Rgb::ZERO; nodes.len() * directions.len()];
         for (k, wo) in directions.iter().enumerate() {
-            reflector.table.specular_values(&caps, (*wo).into(), &mut mean);
+            reflector.values(&caps, *wo, &mut mean);
             for (i, (node, f)) in nodes.iter().zip(&mean).enumerate() {
                 values[i * directions.len() + k] = node.irradiance * reflector.whole(*f);
             }

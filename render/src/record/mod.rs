@@ -9,6 +9,7 @@ mod hessian;
 pub mod irradiance;
 mod moved;
 mod reflector;
+mod schlick;
 mod translate;
 mod tree;
 
@@ -16,7 +17,7 @@ pub use cell::{Cell, cap_half_angle};
 pub use cut::{Cut, CutSettings, cut, global_error};
 pub use guide::{Guide, View, hemisphere_directions};
 pub use hessian::Hessian;
-pub use reflector::{Albedo, Reflector, fresnel_tint};
+pub use reflector::{Albedo, Reflector};
 pub use translate::{Receiver, Reflected, Scratch, reflect};
 pub use tree::{Centroid, Node, Tree, luminance};
 

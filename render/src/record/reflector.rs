@@ -1,7 +1,10 @@
 //! What a record reflects with: a fitted table and the colours of its two parts.
 
+use super::schlick::{COSINES, Colors, Edge, edge, reflected};
+use crate::bsdf::Parts;
 use crate::scene::Rgb;
-use brdf_tables::brdf::Specular;
+use brdf_tables::batch::CapBatch;
+use brdf_tables::brdf::{Brdf, Fresnel, Microfacet, Specular};
 use brdf_tables::cap::Cap;
 use brdf_tables::table::Table;
 use core::f32::consts::{FRAC_1_PI, FRAC_PI_2};
@@ -14,21 +17,74 @@ pub struct Reflector<'a> {
     pub table: &'a Table,
     /// Albedo kd of the Lambertian part.
     pub diffuse: Rgb,
-    /// Strength ks of the specular part.
-    pub specular: Rgb,
+    colors: Colors,
+    /// The grey reflectance of facets, where it is not that of the table.
+    gray: Option<Fresnel>,
 }
 
-impl Reflector<'_> {
-    /// The whole mean BRDF in sr⁻¹ without tint, given the specular one at unit strength.
-    #[inline]
-    pub fn whole(&self, specular: f32) -> Rgb {
-        self.diffuse * FRAC_1_PI + self.specular * specular
+impl<'a> Reflector<'a> {
+    /// From a table, the albedo kd of the Lambertian part and the strength ks of the specular part.
+    pub fn new(table: &'a Table, diffuse: Rgb, specular: Rgb) -> Self {
+        Self { table, diffuse, colors: Colors { normal: specular, grazing: specular }, gray: None }
     }
 
-    /// Colour of the Fresnel term for light from `wi`, both directions local.
+    /// From the colours of a material. A table of facets with Schlick's reflectance takes that of the material in place of its
+    /// own: its grey part is integrated over the caps, its hue taken at their axes.
+    pub fn of(table: &'a Table, parts: &Parts) -> Self {
+        match table.specular() {
+            Some(Specular::Microfacet(Microfacet { fresnel: Fresnel::Schlick { .. }, .. })) => {
+                let colors = Colors { normal: parts.specular, grazing: parts.grazing };
+                Self { table, diffuse: parts.diffuse, colors, gray: colors.gray() }
+            }
+            _ => Self::new(table, parts.diffuse, parts.specular),
+        }
+    }
+
+    /// The specular part for many caps; [`Reflector::tint`] makes it the mean BRDF in sr⁻¹.
+    pub fn values(&self, caps: &CapBatch, wo: Vec3A, out: &mut [f32]) {
+        match self.gray {
+            Some(gray) => self.table.values_with_fresnel(gray, caps, wo.into(), out),
+            None => self.table.specular_values(caps, wo.into(), out),
+        }
+    }
+
+    /// The whole mean BRDF in sr⁻¹ but for hues that change with the angle, given one of [`Reflector::values`].
+    #[inline]
+    pub fn whole(&self, value: f32) -> Rgb {
+        self.diffuse * FRAC_1_PI + self.colors.grazing * value
+    }
+
+    /// Factor on [`Reflector::values`] for light from `wi`, both directions local.
     #[inline]
     pub fn tint(&self, wi: Vec3A, wo: Vec3A) -> Rgb {
-        self.table.specular().map_or(Rgb::ONE, |s| fresnel_tint(s, wi, wo))
+        match self.gray {
+            Some(_) => self.colors.tint(edge(wi, wo)),
+            None => self.colors.normal * self.table.specular().map_or(Rgb::ONE, |s| fresnel_tint(s, wi, wo)),
+        }
+    }
+
+    /// f_r of the specular part in sr⁻¹, by the model itself.
+    pub fn specular(&self, wi: Vec3A, wo: Vec3A) -> Rgb {
+        let Some(model) = self.table.specular() else { return Rgb::ZERO };
+        let model = match (self.gray, *model) {
+            (Some(fresnel), Specular::Microfacet(facets)) => Specular::Microfacet(Microfacet { fresnel, ..facets }),
+            (_, model) => model,
+        };
+        self.tint(wi, wo) * model.eval(wi.as_dvec3(), wo.as_dvec3()) as f32
+    }
+
+    /// Reflectance of the specular part for light from everywhere, and what [`Reflector::values`] sum up to under it.
+    #[inline]
+    pub fn albedo(&self, albedo: &Albedo, wo: Vec3A) -> (Rgb, f32) {
+        let own = albedo.at(wo);
+        match self.gray {
+            Some(_) => {
+                let s = albedo.edge.at(wo);
+                let facets = own / albedo.edge.gray_at(s);
+                (self.colors.at(s) * facets, self.colors.gray_at(s) * facets)
+            }
+            None => (self.tint(Vec3A::new(-wo.x, -wo.y, wo.z), wo) * own, own),
+        }
     }
 }
 
@@ -49,10 +105,8 @@ pub struct Albedo {
     azimuths: usize,
     /// Cosine of the angle from the mirror direction beyond which a small cap does not matter.
     support: f32,
+    edge: Edge,
 }
-
-/// Intervals of the cosine.
-const COSINES: usize = 64;
 
 impl Albedo {
     /// Tabulates the albedo: π F of the whole hemisphere; zero for a diffuse table.
@@ -65,16 +119,14 @@ impl Albedo {
             for k in 0..azimuths {
                 let phi = FRAC_PI_2 as f64 * k as f64 / (azimuths - 1).max(1) as f64;
                 let r = (1.0 - z * z).sqrt();
-                values.push(
-                    table
-                        .specular()
-                        .map_or(0.0, |s| directional_albedo(s, DVec3::new(r * phi.cos(), r * phi.sin(), z))),
-                );
+                let wo = DVec3::new(r * phi.cos(), r * phi.sin(), z);
+                values.push(table.specular().map_or(0.0, |s| reflected(s, wo)[0]));
             }
         }
         let small = |theta: f64| Cap::new(theta, 0.0, 1e-4).map_or(0.0, |cap| table.support(&cap));
         let support = [0.0, 0.4, 0.8, 1.1].into_iter().map(small).fold(0.0, f64::max);
-        Self { values, azimuths, support: support.min(core::f64::consts::PI) as f32 }
+        let edge = table.specular().map_or_else(Edge::default, Edge::new);
+        Self { values, azimuths, support: support.min(core::f64::consts::PI) as f32, edge }
     }
 
     /// ρ(ωo) for a local direction.
@@ -105,20 +157,4 @@ impl Albedo {
         let angle = self.support + super::cap_half_angle(solid_angle);
         if angle >= core::f32::consts::PI { -1.0 } else { angle.cos() }
     }
-}
-
-/// ρ(ωo) = ∫ f_r cosθ dω by the model's own sampler over a regular grid.
-fn directional_albedo(specular: &Specular, wo: DVec3) -> f32 {
-    use brdf_tables::brdf::Brdf;
-    const GRID: (u32, u32) = (48, 32);
-    let mut sum = 0.0;
-    for i in 0..GRID.0 * GRID.1 {
-        let cell = glam::DVec2::new(f64::from(i / GRID.1) + 0.5, f64::from(i % GRID.1) + 0.5);
-        let Some(wi) = specular.sample(wo, cell / glam::DVec2::new(GRID.0.into(), GRID.1.into())) else { continue };
-        let pdf = specular.pdf(wi, wo);
-        if wi.z > 0.0 && pdf > 0.0 {
-            sum += specular.eval(wi, wo) * wi.z / pdf;
-        }
-    }
-    (sum / f64::from(GRID.0 * GRID.1)) as f32
 }

@@ -27,7 +27,7 @@ pub struct Receiver {
 pub struct Reflected {
     /// Irradiance, W·m⁻²: what the Lambertian part needs.
     pub irradiance: Rgb,
-    /// Radiance reflected by the specular part at unit strength, W·m⁻²·sr⁻¹.
+    /// Radiance reflected by the specular part, W·m⁻²·sr⁻¹: in its colours by [`reflect`], at unit strength from harmonics.
     pub specular: Rgb,
     /// 1 where the sources, moved here, still tile the lobe, falling to 0 where they cover it twice or half:
     /// then they say little of this point.
@@ -128,21 +128,22 @@ pub fn reflect(
     }
     let Scratch { caps, light, area, mean, .. } = scratch;
     mean.resize(caps.len(), 0.0);
-    reflector.table.specular_values(caps, at.wo.into(), mean);
+    reflector.values(caps, at.wo, mean);
     let mut specular: Rgb = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
+    let everywhere = reflector.albedo(albedo, at.wo);
     let mut trusted = 1.0;
     if estimator == Estimator::Improved {
         // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
         // meet in one direction: what they would reflect of light that is 1 everywhere, against the albedo, tells.
         let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
-        let reflected = albedo.at(at.wo);
+        let reflected = everywhere.1;
         let cover = if reflected > 0.0 { unit / reflected } else { 1.0 };
         trusted = trust(cover);
         irradiance *= (ROOM * PI / whole).min(1.0);
     }
     if record.background != Rgb::ZERO {
         irradiance += record.background * PI;
-        specular += record.background * tint(mirror) * albedo.at(at.wo);
+        specular += record.background * everywhere.0;
     }
     Reflected { irradiance, specular, trust: trusted }
 }

@@ -13,7 +13,7 @@ use render::record::{
 fn furnace(exponent: f64, max_eas: usize, estimator: Estimator) -> (f32, usize) {
     let table = phong(exponent);
     let albedo = Albedo::new(&table);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ZERO, Vec3A::ONE);
     let frame = Frame::from_normal(Vec3A::new(0.48, 0.6, 0.64));
     let light = Incident { radiance: Vec3A::ONE, distance: f32::INFINITY, normal: Vec3A::ZERO };
     let mut samples = gathered(&frame, 0.1, 0.5, 4, |_| light);
@@ -60,7 +60,7 @@ fn constant_light_gives_the_irradiance() {
     let light = Incident { radiance: Vec3A::splat(2.0), distance: f32::INFINITY, normal: Vec3A::ZERO };
     let mut samples = gathered(&frame, 0.3, 0.6, 2, |_| light);
     let table = phong(40.0);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ONE, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ONE, Vec3A::ONE);
     for estimator in [Estimator::Paper, Estimator::Improved] {
         let tree = Tree::new(&mut samples, 2, Centroid::Direction);
         let settings = CutSettings { tolerance: 0.0, max_eas: 200 };

@@ -34,7 +34,7 @@ fn record(samples: &mut [GatherSample], x: Vec3A, estimator: Estimator, reflecto
 fn read(record: &EasRecord, position: Vec3A, normal: Vec3A, estimator: Estimator) -> Reflected {
     let table = phong(40.0);
     let albedo = Albedo::new(&table);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ZERO, Vec3A::ONE);
     let at = Receiver { position, frame: Frame::from_normal(normal), wo: Vec3A::new(0.0, -0.5, 0.75f32.sqrt()) };
     reflect(record, &at, &reflector, &albedo, estimator, &mut Scratch::default())
 }
@@ -44,7 +44,7 @@ fn read(record: &EasRecord, position: Vec3A, normal: Vec3A, estimator: Estimator
 #[test]
 fn a_wall_does_not_explode_on_the_way_into_its_corner() {
     let table = phong(40.0);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ZERO, Vec3A::ONE);
     let frame = Frame::from_normal(Vec3A::Z);
     let light = |y: f32| {
         move |d: Vec3A| match d.y > 1e-3 {
@@ -69,7 +69,7 @@ fn a_wall_does_not_explode_on_the_way_into_its_corner() {
 #[test]
 fn translation_follows_the_light() {
     let table = phong(40.0);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ZERO, Vec3A::ONE);
     let frame = Frame::from_normal(Vec3A::Z);
     let (x, y) = (Vec3A::new(0.3, 0.0, 0.0), Vec3A::new(0.55, 0.1, 0.0));
     let mut here = gathered(&frame, 0.158, 0.4, 4, wall(x, 1.0));
@@ -92,7 +92,7 @@ fn translation_follows_the_light() {
 #[test]
 fn limits_stay_finite() {
     let table = phong(200.0);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ONE, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ONE, Vec3A::ONE);
     let frame = Frame::from_normal(Vec3A::Z);
     let edge_on =
         |d: Vec3A| Incident { radiance: Vec3A::ONE, distance: 0.5, normal: d.cross(Vec3A::X).normalize_or_zero() };
@@ -122,7 +122,7 @@ fn limits_stay_finite() {
 #[test]
 fn the_cut_goes_from_the_first_level_to_the_leaves() {
     let table = phong(40.0);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ZERO, Vec3A::ONE);
     let frame = Frame::from_normal(Vec3A::Z);
     let mut samples = gathered(&frame, 0.3, 0.5, 2, wall(Vec3A::ZERO, 1.0));
     let tree = Tree::new(&mut samples, 2, Centroid::Direction);
@@ -151,7 +151,7 @@ fn the_cut_goes_from_the_first_level_to_the_leaves() {
 #[test]
 fn colours_of_one_luminance_are_told_apart() {
     let table = phong(100.0);
-    let reflector = Reflector { table: &table, diffuse: Vec3A::ZERO, specular: Vec3A::ONE };
+    let reflector = Reflector::new(&table, Vec3A::ZERO, Vec3A::ONE);
     let frame = Frame::from_normal(Vec3A::Z);
     let (red, green) = (Vec3A::X / 0.2126, Vec3A::Y / 0.7152);
     let light = |d: Vec3A| Incident {

@@ -210,7 +210,7 @@ impl<'a> Builder<'a> {
         let quality = &self.quality;
         let frame = record_frame(point);
         let parts = self.world.bsdf(&point.at).parts()?;
-        let reflector = Reflector { table: &lobe.table, diffuse: parts.diffuse, specular: parts.specular };
+        let reflector = Reflector::of(&lobe.table, &parts);
         let mut gather = Gather::new(tracer, point, self.seed, 3, i as u32);
         let mut reach = quality.eas.max_pixels;
         let (mut samples, tree, directions) = match quality.estimator {

@@ -5,13 +5,12 @@ use super::incident::IncidentTracer;
 use super::points::Point;
 use super::policy::Treatment;
 use super::shade::Shader;
-use crate::bsdf::Split;
+use crate::bsdf::{Parts, Split};
 use crate::cache::{Cache, RadiusPolicy, Weight};
 use crate::frame::Frame;
 use crate::record::eas::mean_radiance;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
-use crate::record::{Receiver, Reflected, Scratch, View, fresnel_tint};
-use crate::scene::Rgb;
+use crate::record::{Receiver, Reflected, Scratch, View};
 use crate::world::Counts;
 use glam::Vec3A;
 use std::time::Instant;
@@ -89,7 +88,7 @@ impl Shader<'_> {
         at: &Receiver,
         normal: Vec3A,
         scratch: &mut Scratch,
-        (diffuse, specular): (Rgb, Rgb),
+        parts: &Parts,
     ) -> (Option<Split>, f32) {
         let brdf = &self.policy.harmonics[brdf];
         let reader = &mut scratch.harmonics;
@@ -106,10 +105,9 @@ impl Shader<'_> {
                 weights += w;
             }
         });
-        let mirror = Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z);
         let cached = (weights > 1e-3).then(|| Split {
-            diffuse: diffuse * mean_radiance(sum.irradiance / weights),
-            glossy: specular * fresnel_tint(&brdf.specular, mirror, at.wo) * (sum.specular / weights),
+            diffuse: parts.diffuse * mean_radiance(sum.irradiance / weights),
+            glossy: brdf.color(parts, at.wo) * (sum.specular / weights),
         });
         (cached, outgoing.traced)
     }

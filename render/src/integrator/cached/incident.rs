@@ -68,14 +68,14 @@ impl IncidentTracer<'_> {
             let [choice, on_light, scattering, roulette] = sampler.next_4x2d(&mut queries.scrambles);
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
-                let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal())?;
+                let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal(), bsdf.normal())?;
                 Some((parts, irradiance))
             });
             found.radiance += throughput
                 * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, on_light, queries).sum();
             if let Some((parts, irradiance)) = cached {
                 found.radiance += throughput * parts.diffuse * mean_radiance(irradiance);
-                if parts.specular == Rgb::ZERO {
+                if parts.is_diffuse() {
                     break;
                 }
             }
@@ -107,11 +107,12 @@ impl IncidentTracer<'_> {
     }
 }
 
-/// Weighted mean of the records at a point; `None` where none reaches.
+/// Irradiance about `normal`, which a texture may have bent, from the records of the hemisphere about another; `None` where none
+/// reaches.
 #[inline]
-pub fn interpolated(cache: &Cache<IrradianceRecord>, position: Vec3A, normal: Vec3A) -> Option<Rgb> {
+pub fn interpolated(cache: &Cache<IrradianceRecord>, position: Vec3A, hemisphere: Vec3A, normal: Vec3A) -> Option<Rgb> {
     let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
-    cache.interpolate(position, normal, Weight::Smooth, |record, w| {
+    cache.interpolate(position, hemisphere, Weight::Smooth, |record, w| {
         sum += record.at(position, normal) * w;
         weights += w;
     });

@@ -92,7 +92,7 @@ impl Policy {
             let name =
                 scene.material_names.get(i).filter(|n| !n.is_empty()).cloned().unwrap_or(format!("material {i}"));
             let treatment = match material {
-                Material::Diffuse { .. } => Treatment::Irradiance,
+                _ if is_diffuse(material) => Treatment::Irradiance,
                 _ => match specular(material) {
                     Some(specular) if policy.projection.is_some() => policy.harmonic(specular, &name),
                     Some(specular) if allowed != Allowed::Irradiance => {
@@ -186,7 +186,7 @@ fn traced_share(width: f32) -> f32 {
 
 /// What [`Policy::new`] with [`Allowed::Auto`] does with a material, in words, without its table.
 pub fn outlook(material: &Material) -> String {
-    if let Material::Diffuse { .. } = material {
+    if is_diffuse(material) {
         return "irradiance records".into();
     }
     let Some(specular) = specular(material) else {
@@ -200,8 +200,23 @@ pub fn outlook(material: &Material) -> String {
     }
 }
 
-/// Why a material has no table.
+/// Whether a material is Lambertian everywhere.
+fn is_diffuse(material: &Material) -> bool {
+    let zero = |t: &FloatTexture| matches!(t, FloatTexture::Constant(0.0) | FloatTexture::Scaled(_, 0.0));
+    match material {
+        Material::Diffuse { .. } => true,
+        Material::MetallicRoughness { metallic, specular, .. } => zero(metallic) && zero(specular),
+        _ => false,
+    }
+}
+
+/// Why a material has no table, or why none is used.
 fn reason(material: &Material, allowed: Allowed) -> &'static str {
+    const ROUGHNESS: &str = "its roughness comes from a texture";
+    const INDEX: &str = "its index comes from a texture";
+    const NO_TABLE: &str = "its numbers are outside of what a table holds";
+    let varies = |t: &FloatTexture| !matches!(t, FloatTexture::Constant(_));
+    let colored = |t: &ColorTexture| !matches!(t, ColorTexture::Constant(_));
     match material {
         Material::Conductor { .. }
         | Material::Dielectric { .. }
@@ -209,11 +224,18 @@ fn reason(material: &Material, allowed: Allowed) -> &'static str {
         | Material::Plastic { .. } => "perfectly specular",
         _ if allowed == Allowed::Irradiance && specular(material).is_some() => "the method caches irradiance only",
         Material::RoughDielectric { .. } | Material::Glass { .. } => "transmits light",
-        _ => "roughness or index from a texture, or a model without table",
+        Material::MetallicRoughness { roughness, .. } if varies(roughness) => ROUGHNESS,
+        Material::MetallicRoughness { .. } => "nearly a mirror",
+        Material::Phong { exponent, .. } if varies(exponent) => "its exponent comes from a texture",
+        Material::Ward { alpha_u, alpha_v, .. } if varies(alpha_u) || varies(alpha_v) => ROUGHNESS,
+        Material::RoughConductor { alpha_u, alpha_v, .. } if varies(alpha_u) || varies(alpha_v) => ROUGHNESS,
+        Material::RoughConductor { eta, k, .. } if colored(eta) || colored(k) => INDEX,
+        _ => NO_TABLE,
     }
 }
 
-/// The specular part of a material at unit strength, where it is the same everywhere.
+/// The specular part of a material at unit strength, where it is the same everywhere. Of one with Schlick's reflectance, that of
+/// a plastic stands for any: [`Reflector::of`](crate::record::Reflector::of) replaces it.
 pub fn specular(material: &Material) -> Option<Specular> {
     let constant = |t: &FloatTexture| match t {
         FloatTexture::Constant(x) => Some(written(*x)),
@@ -249,6 +271,13 @@ pub fn specular(material: &Material) -> Option<Specular> {
             alpha_y: written(*alpha),
             fresnel: Fresnel::Conductor { eta: [written(*eta); 3], k: [MIN_INDEX; 3] },
         })),
+        // A table of one Schlick term serves all; this one has the rules that do best for metals and plastics alike.
+        Material::MetallicRoughness { roughness, .. } => {
+            let alpha = constant(roughness)?.clamp(0.0, 1.0).powi(2);
+            let distribution = brdf::Distribution::Ggx;
+            let fresnel = Fresnel::Schlick { f0: [0.04; 3] };
+            Some(Specular::Microfacet(Microfacet { distribution, alpha_x: alpha, alpha_y: alpha, fresnel }))
+        }
         _ => None,
     }
     .filter(|s| Recipe::specular(*s).validate().is_ok())

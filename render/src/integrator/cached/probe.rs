@@ -3,12 +3,12 @@
 use super::build::{Builder, Gather, record_frame};
 use super::points::Point;
 use super::policy::{Lobe, Treatment};
+use crate::bsdf::Parts;
 use crate::cache::Cache;
 use crate::frame::Frame;
 use crate::gather::GatherSample;
 use crate::record::Reflector;
 use crate::record::eas::EasRecord;
-use crate::scene::Rgb;
 use thiserror::Error;
 
 /// Why there is nothing to inspect at a pixel.
@@ -37,10 +37,8 @@ pub struct Probe<'a> {
     pub frame: Frame,
     /// Table of the material.
     pub lobe: &'a Lobe,
-    /// Albedo of the Lambertian part, as the pixel's view sees it.
-    pub diffuse: Rgb,
-    /// Factor on the specular part.
-    pub specular: Rgb,
+    /// Colours, as the pixel's view sees them.
+    pub parts: Parts,
     /// Stratified samples, uniform in solid angle.
     pub uniform: Vec<GatherSample>,
     /// The record of a rendering of this quality.
@@ -54,7 +52,7 @@ pub struct Probe<'a> {
 impl Probe<'_> {
     /// Table and colours.
     pub fn reflector(&self) -> Reflector<'_> {
-        Reflector { table: &self.lobe.table, diffuse: self.diffuse, specular: self.specular }
+        Reflector::of(&self.lobe.table, &self.parts)
     }
 }
 
@@ -104,16 +102,6 @@ impl Builder<'_> {
         let made = self.eas_record(&tracer, point, i);
         let (guided, guided_samples, counts) = made.ok_or_else(|| no_table("its model has no separate lobe"))?;
         let rays = counts.rays + gather.counts.rays;
-        Ok(Probe {
-            point: *point,
-            frame,
-            lobe,
-            diffuse: parts.diffuse,
-            specular: parts.specular,
-            uniform,
-            guided,
-            guided_samples,
-            rays,
-        })
+        Ok(Probe { point: *point, frame, lobe, parts, uniform, guided, guided_samples, rays })
     }
 }

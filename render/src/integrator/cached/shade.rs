@@ -248,8 +248,8 @@ impl Shader<'_> {
         let mut doubt = 0.0;
         let (cached, traced) = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
-                let found = interpolated(&self.caches.irradiance, position, hemisphere);
-                (found.map(|e| Split { diffuse: s.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
+                let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
+                (found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
             }
             Treatment::Eas { lobe, traced } => {
                 let at = Receiver { position, frame: turned(&s.point, normal), wo: Vec3A::Z };
@@ -261,8 +261,7 @@ impl Shader<'_> {
             Treatment::Harmonics { brdf } => {
                 let frame = turned(&s.point, normal);
                 let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                let colors = (s.diffuse, s.specular);
-                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, colors)
+                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, &s.parts)
             }
             Treatment::Traced => (None, 1.0),
         };
@@ -298,7 +297,7 @@ impl Shader<'_> {
         scratch: &mut Scratch,
     ) -> (Option<Split>, f32) {
         let lobe = &self.policy.lobes[lobe];
-        let reflector = Reflector { table: &lobe.table, diffuse: s.diffuse, specular: s.specular };
+        let reflector = Reflector::of(&lobe.table, &s.parts);
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
         // `sum.trust` is the weight of the specular sum.
         self.caches.eas.interpolate(at.position, normal, self.quality.weight, |record, w| {
@@ -312,8 +311,8 @@ impl Shader<'_> {
         });
         let doubt = ((1.0 - sum.trust / weights) - DOUBT) / (1.0 - DOUBT);
         let cached = (weights > 1e-3).then(|| Split {
-            diffuse: s.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
-            glossy: s.specular * (sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE)),
+            diffuse: s.parts.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
+            glossy: sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
         });
         (cached, doubt.max(0.0))
     }

@@ -7,7 +7,7 @@ use crate::cache::{Cache, RadiusPolicy, Shrink, Weight, disagreeing};
 use crate::record::eas::{EasRecord, mean_radiance};
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::{Gathered, IrradianceRecord};
-use crate::record::{Hessian, Receiver, Record, Reflected, Reflector, Scratch, luminance, reflect};
+use crate::record::{Hessian, Receiver, Record, Reflector, Scratch, luminance, reflect};
 use crate::scene::Rgb;
 use glam::Vec3A;
 use std::cell::RefCell;
@@ -50,11 +50,11 @@ impl Builder<'_> {
     fn eas_light(&self, record: &EasRecord, point: &Point, position: Vec3A) -> Option<Rgb> {
         let Treatment::Eas { lobe, .. } = self.treatment(point) else { return None };
         let (lobe, parts) = (&self.policy.lobes[lobe], self.world.bsdf(&point.at).parts()?);
-        let reflector = Reflector { table: &lobe.table, diffuse: parts.diffuse, specular: parts.specular };
+        let reflector = Reflector::of(&lobe.table, &parts);
         let at = Receiver { position, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
         let found = SCRATCH
             .with_borrow_mut(|scratch| reflect(record, &at, &reflector, &lobe.albedo, self.quality.estimator, scratch));
-        Some(sum(&found, parts.diffuse, parts.specular))
+        Some(parts.diffuse * mean_radiance(found.irradiance) + found.specular)
     }
 
     /// EAS records that disagree about pixel `i`.
@@ -73,11 +73,13 @@ impl Builder<'_> {
             let Treatment::Harmonics { brdf } = self.treatment(point) else { return None };
             let parts = self.world.bsdf(&point.at).parts()?;
             let at = Receiver { position: point.at.p, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
+            let brdf = &self.policy.harmonics[brdf];
             let found = SCRATCH.with_borrow_mut(|scratch| {
-                scratch.harmonics.look(&self.policy.harmonics[brdf], &at);
+                scratch.harmonics.look(brdf, &at);
                 scratch.harmonics.read(record, at.position)
             });
-            (record.material == point.material.0).then(|| sum(&found, parts.diffuse, parts.specular))
+            (record.material == point.material.0)
+                .then(|| parts.diffuse * mean_radiance(found.irradiance) + brdf.color(&parts, at.wo) * found.specular)
         })
     }
 
@@ -109,7 +111,3 @@ impl Builder<'_> {
 
 /// Step of the differences, over the radius by distance.
 const STEP: f32 = 0.25;
-
-fn sum(found: &Reflected, diffuse: Rgb, specular: Rgb) -> Rgb {
-    diffuse * mean_radiance(found.irradiance) + specular * found.specular
-}

@@ -1,8 +1,7 @@
 //! The surfaces of a pixel: samples that show the same one are shaded together.
 
 use super::points::Point;
-use crate::bsdf::Bsdf;
-use crate::scene::Rgb;
+use crate::bsdf::{Bsdf, Parts};
 use glam::Vec3A;
 
 /// A surface in a pixel: what its samples have in common is shaded once.
@@ -14,8 +13,7 @@ pub struct Surface {
     pub(super) position: Vec3A,
     pub(super) normal: Vec3A,
     pub(super) wo: Vec3A,
-    pub(super) diffuse: Rgb,
-    pub(super) specular: Rgb,
+    pub(super) parts: Parts,
 }
 
 impl Surface {
@@ -28,8 +26,7 @@ impl Surface {
             position: point.at.p,
             normal: bsdf.normal(),
             wo: point.at.wo,
-            diffuse: point.throughput * parts.diffuse,
-            specular: point.throughput * parts.specular,
+            parts: parts * point.throughput,
         })
     }
 
@@ -53,8 +50,7 @@ impl Surface {
         self.position += other.position;
         self.normal += other.normal;
         self.wo += other.wo;
-        self.diffuse += other.diffuse;
-        self.specular += other.specular;
+        self.parts += other.parts;
     }
 }
 

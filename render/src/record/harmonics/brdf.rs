@@ -3,6 +3,10 @@
 
 use super::basis::{Basis, MAX_ORDER, PACKED, PerM, WIDTH, legendre_rows, multiples, row, row_length};
 use super::projection::{BLOCK, Sum, accumulate};
+use crate::bsdf::Parts;
+use crate::record::reflector::fresnel_tint;
+use crate::record::schlick::{Colors, Edge};
+use crate::scene::Rgb;
 use brdf_tables::brdf::{Brdf, Specular};
 use brdf_tables::gauss::gauss_legendre;
 use core::f64::consts::PI;
@@ -41,6 +45,7 @@ pub struct HarmonicBrdf {
     pub basis: Basis,
     /// The model.
     pub specular: Specular,
+    edge: Edge,
     isotropic: bool,
     /// Intervals from the middle of the map to its rim.
     intervals: usize,
@@ -81,7 +86,7 @@ impl HarmonicBrdf {
                 texel(&specular, basis, isotropic, choice, wo)
             })
             .collect();
-        Self { basis, specular, isotropic, intervals, texels }
+        Self { basis, specular, edge: Edge::new(&specular), isotropic, intervals, texels }
     }
 
     /// Texels around a direction, with their shares.
@@ -170,6 +175,14 @@ impl HarmonicBrdf {
                 sin[row(l) + m] *= signs[1][m];
             }
         }
+    }
+
+    /// Factor on the reflected light at unit strength, for a local direction to the eye: a colour that changes with the angle is
+    /// that for light from everywhere, and the hue of the model's Fresnel term that at the mirror direction.
+    pub fn color(&self, parts: &Parts, wo: Vec3A) -> Rgb {
+        let s = self.edge.at(wo);
+        let color = Colors { normal: parts.specular, grazing: parts.grazing }.at(s) / self.edge.gray_at(s);
+        color * fresnel_tint(&self.specular, Vec3A::new(-wo.x, -wo.y, wo.z), wo)
     }
 
     /// Orders, errors and treatment of the map.
