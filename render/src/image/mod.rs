@@ -1,10 +1,12 @@
 //! Pictures in memory and in files.
 
+mod raster;
 mod read;
 mod write;
 
 use thiserror::Error;
 
+pub use raster::{Channels, Raster, Samples, half};
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
 pub use write::{write_picture, write_png, write_whole};
 
