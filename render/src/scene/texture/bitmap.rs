@@ -107,6 +107,8 @@ impl Wrap {
     #[inline]
     fn index(self, i: i32, n: i32) -> usize {
         (match self {
+            // Divisions are slow, and most points lie inside.
+            Self::Repeat if (0..n).contains(&i) => i,
             Self::Repeat => i.rem_euclid(n),
             Self::Clamp => i.clamp(0, n - 1),
             Self::Mirror => {
@@ -149,7 +151,7 @@ impl Bitmap {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn taps(&self, uv: Vec2) -> Taps {
         let (w, h) = (self.width as i32, self.height as i32);
         let [wrap_u, wrap_v] = self.wrap;

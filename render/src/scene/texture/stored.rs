@@ -195,14 +195,15 @@ impl Stored {
     }
 
     /// Texels blended: with its questions asked once for all of them where images are of the most common kinds.
-    #[inline]
+    #[inline(always)]
     pub(super) fn blend(&self, taps: &Taps) -> Rgb {
         let count = self.raster().channels.count();
         let table: Option<&[f32; 256]> = self.table[..].try_into().ok();
         match (&self.raster().samples, self.look_up, table) {
             (Samples::U8(bytes), LookUp::Color, Some(table)) => taps.blend(|i| {
                 let pixel = &bytes[i * count..][..3];
-                Rgb::from_array([0, 1, 2].map(|channel| table[usize::from(pixel[channel])]))
+                let value = |channel: usize| table[usize::from(pixel[channel])];
+                Rgb::new(value(0), value(1), value(2))
             }),
             (Samples::U8(bytes), LookUp::One(channel), Some(table)) => {
                 taps.blend(|i| Rgb::splat(table[usize::from(bytes[i * count + channel])]))
