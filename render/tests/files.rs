@@ -95,6 +95,8 @@ fn outputs_are_looked_at_before_the_work() {
         ("-o a.exr -o ./a.exr --time 60", "./a.exr: is written twice by this command, as a.exr"),
         ("-o a.exr --stats scene.xml --time 60", "scene.xml: is read by this command too"),
         ("-o a.exr --stats nowhere/s.json --time 60", "nowhere/s.json: there is no"),
+        ("-o a.exr --stats bent.obj --time 60", "bent.obj: is read by this command too"),
+        ("-o a.exr -o texels.png --time 60", "texels.png: is read by this command too"),
         (&format!("-o a.exr {cached} --spp 4000000 --cache nowhere/c"), "nowhere/c: there is no"),
         (&format!("-o a.exr {cached} --spp 4000000 --cache a.exr"), "a.exr: is written twice"),
         (&format!("-o a.exr {cached} --spp 4000000 --show-records nowhere/r.png"), "nowhere/r.png: there is no"),

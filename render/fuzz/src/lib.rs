@@ -47,8 +47,10 @@ pub fn check_mesh(parsed: Result<Parsed, FileError>) {
 pub fn check_picture(bytes: &[u8]) {
     match image::decode(bytes, Path::new("p")) {
         Ok(pixels) => {
-            assert_eq!(pixels.rgba.len(), pixels.width as usize * pixels.height as usize);
-            assert!(pixels.rgba.iter().all(|p| p[..3].iter().all(|c| c.is_finite())));
+            let raster = &pixels.raster;
+            let count = raster.width as usize * raster.height as usize;
+            assert_eq!(raster.samples.len(), count * raster.channels.count());
+            assert!(raster.pixels().all(|p| p[..3].iter().all(|c| c.is_finite())));
             pixels.warnings.iter().for_each(|w| check_message(w));
         }
         Err(ImageError::Content { reason, .. }) => check_message(&reason),

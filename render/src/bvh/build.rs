@@ -5,6 +5,7 @@ use fearless_simd::Level;
 use glam::Vec3A;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris, node::Bvh2Node};
 use obvhs::{BvhBuildParams, triangle::Triangle};
+use rayon::prelude::*;
 use std::time::Duration;
 
 /// A set of triangles ready for ray queries; triangles keep the numbers of the list they came in.
@@ -31,7 +32,7 @@ impl TriangleBvh {
         if triangles.is_empty() {
             return this;
         }
-        let list: Vec<_> = triangles.iter().map(|&[v0, v1, v2]| Triangle { v0, v1, v2 }).collect();
+        let list: Vec<_> = triangles.par_iter().map(|&[v0, v1, v2]| Triangle { v0, v1, v2 }).collect();
         let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
         let binary = build_bvh2_from_tris(&list, params, &mut Duration::default());
         let root = binary.nodes[0].aabb();

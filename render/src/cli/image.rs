@@ -19,7 +19,8 @@ use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Figures, Settings, TOLERANCE, render_cached};
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
-use render::scene::{Crop, Scene, load};
+use render::scene::load::{self, Loaded};
+use render::scene::{Crop, Scene};
 use render::tables::Tables;
 use render::world::{Counts, World};
 use serde::Serialize;
@@ -233,9 +234,11 @@ pub(super) struct Seconds {
 pub fn run(args: &Args) -> Result<ExitCode> {
     let start = Instant::now();
     options::check(args)?;
-    outputs::check(args)?;
+    outputs::check(args, &[])?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
-    let (mut scene, warnings) = load::load(&args.scene, &args.reading.options()?)?;
+    let options = args.reading.options()?;
+    let Loaded { mut scene, warnings, files, .. } = pool.install(|| load::open(&args.scene, &options))?;
+    outputs::check(args, &files)?;
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }

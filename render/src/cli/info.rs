@@ -4,12 +4,16 @@ use super::reading::Reading;
 use anyhow::{Context, Result};
 use render::integrator::cached::policy::outlook;
 use render::scene::load::{self, Loaded};
-use render::scene::{ColorTexture, Environment, Geometry, Lens, Light, Material, Projection, Scene, Shape, Texture};
+use render::scene::{
+    ColorTexture, Environment, Geometry, Lens, Light, Material, Projection, Scene, Shape, Texels, Texture,
+};
 use serde::Serialize;
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Arguments of `render info`.
 #[derive(Debug, clap::Args)]
@@ -94,6 +98,7 @@ struct MaterialInfo {
 struct TextureInfo {
     width: u32,
     height: u32,
+    /// Other textures may share them.
     bytes: usize,
 }
 
@@ -110,7 +115,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 
 impl Report {
     fn new(loaded: Loaded) -> Self {
-        let Loaded { scene, warnings, cameras, camera } = loaded;
+        let Loaded { scene, warnings, cameras, camera, .. } = loaded;
         let named = |(i, names)| CameraInfo { names, takes_picture: camera == Some(i) };
         let mesh = |shape: &Shape, placements| MeshInfo {
             triangles: match &shape.geometry {
@@ -151,7 +156,7 @@ impl Report {
             triangles: meshes.iter().map(|m| m.triangles * m.placements).sum(),
             instances: scene.instances.len(),
             materials: materials(&scene),
-            texture_bytes: textures.iter().map(|t| t.bytes).sum(),
+            texture_bytes: texture_bytes(&scene),
             meshes,
             textures,
             warnings,
@@ -228,6 +233,17 @@ fn materials(scene: &Scene) -> Vec<MaterialInfo> {
         }
     };
     named.map(info).collect()
+}
+
+/// Images that textures share count once.
+fn texture_bytes(scene: &Scene) -> usize {
+    let mut shared = HashSet::new();
+    let bitmaps = scene.textures.iter().filter_map(|t| if let Texture::Bitmap(b) = t { Some(&b.texels) } else { None });
+    let counted = bitmaps.filter(|texels| match texels {
+        Texels::Stored(stored) => shared.insert(Arc::as_ptr(stored.raster())),
+        _ => true,
+    });
+    counted.map(Texels::bytes).sum()
 }
 
 fn texture(texture: &Texture) -> TextureInfo {

@@ -9,16 +9,18 @@ use render::inspect::overlay::show_records;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Caches, Settings, file};
 use render::world::World;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Refuses places that cannot be written, and names that do not say which format.
+/// Refuses places that cannot be written, names that do not say which format, and the files `read` besides those that the
+/// command line names.
 ///
 /// # Errors
 /// The first such place.
-pub(super) fn check(args: &Args) -> Result<()> {
+pub(super) fn check(args: &Args, read: &[PathBuf]) -> Result<()> {
     let extensions: Vec<_> = ["exr"].into_iter().chain(Format::EXTENSIONS).collect();
-    let mut outputs = Outputs::beside([args.scene.as_path()].into_iter().chain(args.reading.files()));
+    let named = [args.scene.as_path()].into_iter().chain(args.reading.files());
+    let mut outputs = Outputs::beside(named.chain(read.iter().map(PathBuf::as_path)));
     for path in &args.output {
         outputs.file_of(path, &extensions)?;
     }

@@ -2,13 +2,15 @@
 
 mod raster;
 mod read;
+mod screen;
 pub mod view;
 mod write;
 
 use thiserror::Error;
 
-pub use raster::{Format, write_png};
+pub use raster::{Channels, Raster, Samples, half};
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
+pub use screen::{Format, write_png};
 pub use write::{Look, write_picture, write_whole};
 
 /// Linear RGB, row by row from the top.

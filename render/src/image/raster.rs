@@ -1,166 +1,188 @@
-//! PNG, JPEG and WebP: eight bits per channel, as a screen shows them.
+//! Pixels in the precision of their file.
 
-use super::view::Display;
-use super::write::{content, extension, write_whole};
-use super::{Image, ImageError};
-use image::codecs::jpeg::JpegEncoder;
-use image::codecs::png::PngEncoder;
-use image::codecs::webp::WebPEncoder;
-use image::{ExtendedColorType, ImageEncoder};
-use rayon::prelude::*;
-use std::path::Path;
+use serde::{Deserialize, Serialize, Serializer};
 
-/// Quality of JPEG; libjpeg's manual says that more than about 95 makes files much larger for hardly any gain. Chroma is not
-/// subsampled.
-const JPEG_QUALITY: u8 = 95;
-
-/// A format for display.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Lossless.
-    Png,
-    /// Quality 95, without transparency.
-    Jpeg,
-    /// Lossless.
-    WebP,
+/// Which channels a pixel has, in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Channels {
+    /// One that stands for red, green and blue.
+    Gray,
+    /// The same, and alpha.
+    GrayAlpha,
+    /// Red, green, blue.
+    Rgb,
+    /// Red, green, blue, alpha.
+    #[default]
+    Rgba,
 }
 
-impl Format {
-    /// Extensions of all of them.
-    pub const EXTENSIONS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
+impl Channels {
+    /// Samples of a pixel.
+    #[inline]
+    pub fn count(self) -> usize {
+        match self {
+            Self::Gray => 1,
+            Self::GrayAlpha => 2,
+            Self::Rgb => 3,
+            Self::Rgba => 4,
+        }
+    }
 
-    /// By the extension of a name, in any case.
-    pub fn of(path: &Path) -> Option<Self> {
-        match extension(path).as_str() {
-            "png" => Some(Self::Png),
-            "jpg" | "jpeg" => Some(Self::Jpeg),
-            "webp" => Some(Self::WebP),
+    /// Where red, green and blue stand.
+    pub fn color(self) -> [usize; 3] {
+        match self {
+            Self::Gray | Self::GrayAlpha => [0; 3],
+            Self::Rgb | Self::Rgba => [0, 1, 2],
+        }
+    }
+
+    /// Where alpha stands.
+    pub fn alpha(self) -> Option<usize> {
+        match self {
+            Self::Gray | Self::Rgb => None,
+            Self::GrayAlpha => Some(1),
+            Self::Rgba => Some(3),
+        }
+    }
+}
+
+/// Numbers as a file stores them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Samples {
+    /// 255 stands for 1; values for display.
+    U8(#[serde(serialize_with = "as_bytes")] Vec<u8>),
+    /// 65535 stands for 1; values for display.
+    U16(Vec<u16>),
+    /// The bits of finite half-precision numbers (IEEE 754 binary16); linear.
+    Half(Vec<u16>),
+    /// Single precision; linear.
+    F32(Vec<f32>),
+}
+
+/// Bytes one by one take fifty times as long to write.
+fn as_bytes<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bytes(bytes)
+}
+
+impl Default for Samples {
+    fn default() -> Self {
+        Self::F32(Vec::new())
+    }
+}
+
+impl Samples {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::U8(s) => s.len(),
+            Self::U16(s) | Self::Half(s) => s.len(),
+            Self::F32(s) => s.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Memory that they take.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::U8(s) => size_of_val(&s[..]),
+            Self::U16(s) | Self::Half(s) => size_of_val(&s[..]),
+            Self::F32(s) => size_of_val(&s[..]),
+        }
+    }
+
+    /// Number `i`; integers from 0 to 1.
+    #[inline]
+    pub fn get(&self, i: usize) -> f32 {
+        match self {
+            Self::U8(s) => f32::from(s[i]) / 255.0,
+            Self::U16(s) => f32::from(s[i]) / 65535.0,
+            Self::Half(s) => half(s[i]),
+            Self::F32(s) => s[i],
+        }
+    }
+}
+
+/// The value of a finite half-precision number.
+#[inline]
+pub fn half(bits: u16) -> f32 {
+    const IMPLICIT_BIT: u32 = 0x400;
+    const SMALLEST: f32 = 1.0 / 16_777_216.0;
+    let magnitude = u32::from(bits & 0x7fff);
+    // Exponents are biased by 15 there and by 127 here; numbers without the implicit bit are multiples of the smallest.
+    let value = if magnitude < IMPLICIT_BIT {
+        magnitude as f32 * SMALLEST
+    } else {
+        f32::from_bits((magnitude << 13) + (112 << 23))
+    };
+    f32::from_bits(value.to_bits() | u32::from(bits & 0x8000) << 16)
+}
+
+/// An image, row by row from the top, the samples of a pixel side by side.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Raster {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// What a pixel has.
+    pub channels: Channels,
+    /// `width · height` times as many numbers as a pixel has channels; colours are finite.
+    pub samples: Samples,
+}
+
+impl Raster {
+    /// Number of pixels.
+    pub fn len(&self) -> usize {
+        self.samples.len() / self.channels.count()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether the format is made for display (8-bit or 16-bit integers under the sRGB curve, but for alpha) rather than for
+    /// linear light.
+    pub fn is_display_referred(&self) -> bool {
+        matches!(self.samples, Samples::U8(_) | Samples::U16(_))
+    }
+
+    /// Red, green, blue and alpha of pixel `i` as stored: no transfer function has been undone. Alpha is 1 where the file
+    /// has none.
+    #[inline]
+    pub fn pixel(&self, i: usize) -> [f32; 4] {
+        let start = i * self.channels.count();
+        let [r, g, b] = self.channels.color().map(|c| self.samples.get(start + c));
+        [r, g, b, self.channels.alpha().map_or(1.0, |a| self.samples.get(start + a))]
+    }
+
+    /// All pixels.
+    pub fn pixels(&self) -> impl Iterator<Item = [f32; 4]> {
+        (0..self.len()).map(|i| self.pixel(i))
+    }
+
+    /// The first pixel (column, row) whose alpha is not finite.
+    pub fn alpha_not_finite(&self) -> Option<(u32, u32)> {
+        match self.samples {
+            Samples::F32(_) => self.find(|p| !p[3].is_finite()),
             _ => None,
         }
     }
 
-    /// What people call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Png => "PNG",
-            Self::Jpeg => "JPEG",
-            Self::WebP => "WebP",
+    /// The first pixel (column, row) with a colour that is not finite.
+    pub(super) fn color_not_finite(&self) -> Option<(u32, u32)> {
+        match self.samples {
+            Samples::F32(_) => self.find(|p| !p[..3].iter().all(|c| c.is_finite())),
+            _ => None,
         }
     }
 
-    /// Whether it holds alpha.
-    pub fn is_transparent(self) -> bool {
-        self != Self::Jpeg
-    }
-
-    /// Largest width and height of its headers.
-    pub fn max_size(self) -> u32 {
-        match self {
-            Self::Png => i32::MAX as u32,
-            Self::Jpeg => u16::MAX.into(),
-            Self::WebP => 1 << 14,
-        }
-    }
-
-    fn encode(self, bytes: &[u8], image: &Image, color: ExtendedColorType) -> image::ImageResult<Vec<u8>> {
-        let mut out = Vec::new();
-        let (width, height) = (image.width, image.height);
-        match self {
-            Self::Png => PngEncoder::new(&mut out).write_image(bytes, width, height, color),
-            Self::Jpeg => {
-                JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY).write_image(bytes, width, height, color)
-            }
-            Self::WebP => WebPEncoder::new_lossless(&mut out).write_image(bytes, width, height, color),
-        }?;
-        Ok(out)
-    }
-}
-
-/// Writes a picture as a display shows it. `alpha`, by pixel, is what part of a pixel is covered: colours are then divided
-/// by it before the view, for these formats hold colours that are not multiplied by it.
-pub(super) fn write(
-    path: &Path,
-    format: Format,
-    image: &Image,
-    alpha: Option<&[f32]>,
-    display: &Display,
-) -> Result<(), ImageError> {
-    let level = |x: f32| (255.0 * x + 0.5) as u8;
-    let (bytes, color): (Vec<u8>, _) = match alpha {
-        None => {
-            let pixel = |p: &[f32; 3]| display.values(*p).map(level);
-            (image.pixels.par_iter().flat_map_iter(pixel).collect(), ExtendedColorType::Rgb8)
-        }
-        Some(alpha) => {
-            let pixel = |(p, &alpha): (&[f32; 3], &f32)| {
-                let [r, g, b] = if alpha > 0.0 { display.values(p.map(|x| x / alpha)).map(level) } else { [0; 3] };
-                [r, g, b, level(alpha.clamp(0.0, 1.0))]
-            };
-            (image.pixels.par_iter().zip(alpha).flat_map_iter(pixel).collect(), ExtendedColorType::Rgba8)
-        }
-    };
-    write_whole(path, &format.encode(&bytes, image, color).map_err(|e| content(path, e))?)
-}
-
-/// Writes a picture with the sRGB curve.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_png(path: &Path, image: &Image) -> Result<(), ImageError> {
-    write(path, Format::Png, image, None, &Display::STANDARD)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::image::{read, read_pixels};
-
-    fn ramp() -> Image {
-        let pixels = (0..64 * 48).map(|i| [(i % 64) as f32 / 64.0, (i / 64) as f32 / 48.0, 0.2]).collect();
-        Image { width: 64, height: 48, pixels }
-    }
-
-    /// Lossless formats hold the nearest level, JPEG something near it; the same picture gives the same bytes.
-    #[test]
-    fn formats_hold_what_is_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let image = ramp();
-        for (name, format, bound) in [
-            ("a.png", Format::Png, 0.5),
-            ("a.JPG", Format::Jpeg, 8.0),
-            ("a.jpeg", Format::Jpeg, 8.0),
-            ("a.webp", Format::WebP, 0.5),
-        ] {
-            let path = folder.path().join(name);
-            assert_eq!(Format::of(&path), Some(format));
-            write(&path, format, &image, None, &Display::STANDARD).unwrap();
-            let first = std::fs::read(&path).unwrap();
-            write(&path, format, &image, None, &Display::STANDARD).unwrap();
-            assert_eq!(std::fs::read(&path).unwrap(), first);
-            let found = read_pixels(&path).unwrap();
-            let levels = |p: [f32; 3]| Display::STANDARD.values(p).map(|x| 255.0 * x);
-            let far = found.rgba.iter().zip(&image.pixels).flat_map(|(p, q)| {
-                let right = levels(*q);
-                [0, 1, 2].map(|c| (255.0 * p[c] - right[c]).abs())
-            });
-            let far = far.fold(0.0, f32::max);
-            assert!(far <= bound + 1e-3, "{name}: {far} levels");
-        }
-        assert!(Format::of(Path::new("a.exr")).is_none());
-    }
-
-    /// A pixel that is half covered by light of 0.5 holds half of that light, and shows 0.5 with alpha ½.
-    #[test]
-    fn alpha_is_not_in_the_colours() {
-        let folder = tempfile::tempdir().unwrap();
-        let image = Image { width: 3, height: 1, pixels: vec![[0.25; 3], [0.5; 3], [0.0; 3]] };
-        for (name, format) in [("a.png", Format::Png), ("a.webp", Format::WebP)] {
-            let path = folder.path().join(name);
-            write(&path, format, &image, Some(&[0.5, 1.0, 0.0]), &Display::STANDARD).unwrap();
-            let alpha: Vec<f32> = read_pixels(&path).unwrap().rgba.iter().map(|p| p[3]).collect();
-            assert_eq!(alpha, [128.0 / 255.0, 1.0, 0.0]);
-            let shown = read(&path).unwrap().pixels;
-            assert!((shown[0][1] - 0.5).abs() < 0.003 && shown[0] == shown[1] && shown[2] == [0.0; 3], "{shown:?}");
-        }
+    fn find(&self, wrong: impl Fn(&[f32; 4]) -> bool) -> Option<(u32, u32)> {
+        let at = self.pixels().position(|p| wrong(&p))? as u32;
+        Some((at % self.width, at / self.width))
     }
 }

@@ -1,6 +1,6 @@
 //! Renderings: OpenEXR with layers, or a format for display.
 
-use super::raster::{self, Format};
+use super::screen::{self, Format};
 use super::view::Display;
 use super::{Image, ImageError};
 use crate::film::{Picture, Pixel};
@@ -48,7 +48,7 @@ pub fn write_picture(path: &Path, picture: &Picture, look: &Look) -> Result<(), 
     let extensions = ".exr, .png, .jpg, .jpeg or .webp";
     let format = Format::of(path).ok_or_else(|| ImageError::Extension(path.display().to_string(), extensions))?;
     let alpha: Option<Vec<f32>> = look.alpha.then(|| picture.pixels.iter().map(|p| picture.alpha(p)).collect());
-    raster::write(path, format, &picture.image(), alpha.as_deref(), &look.display)
+    screen::write(path, format, &picture.image(), alpha.as_deref(), &look.display)
 }
 
 /// Lower-case extension of a path.

@@ -17,7 +17,11 @@ pub use camera::{Camera, Crop, Film, Filter, Lens, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
-pub use texture::{Bitmap, ColorTexture, Coordinates, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};
+use texture::luminance;
+pub use texture::{
+    Bitmap, ColorTexture, Coordinates, FloatTexture, Interpolation, Reading, Stored, Texels, Texture, TextureId,
+    Transfer, Wrap,
+};
 pub use validate::SceneError;
 
 use serde::{Deserialize, Serialize};

@@ -9,7 +9,11 @@ use glam::{Affine3A, Vec2, Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::{Boundable, BvhBuildParams};
+use rayon::prelude::*;
 use std::time::Duration;
+
+/// Triangles that are worth handing to another thread.
+const BATCH: usize = 1 << 12;
 
 /// A triangle of a shape.
 #[derive(Clone, Copy, Debug)]
@@ -80,11 +84,11 @@ impl Aggregate {
             let shape = shape as u32;
             match &s.geometry {
                 Geometry::Mesh(m) => {
-                    for (index, corners) in (0u32..).zip(&m.triangles) {
-                        let corners = corners.map(|i| Vec3A::from(m.positions[i as usize]));
-                        triangles.push(TriangleRef::new(shape, index, corners));
-                        vertices.push(corners);
-                    }
+                    let corners = |t: &[u32; 3]| t.map(|i| Vec3A::from(m.positions[i as usize]));
+                    let list = m.triangles.par_iter().with_min_len(BATCH);
+                    vertices.par_extend(list.clone().map(corners));
+                    let reference = |(index, t)| TriangleRef::new(shape, index as u32, corners(t));
+                    triangles.par_extend(list.enumerate().map(reference));
                 }
                 Geometry::Sphere(sphere) => {
                     objects.push(Object::Sphere { shape, sphere: *sphere });

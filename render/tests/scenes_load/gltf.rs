@@ -168,6 +168,23 @@ fn materials_and_textures() {
     assert_eq!((bitmap.wrap, bitmap.interpolation), ([Wrap::Clamp; 2], Interpolation::Nearest));
 }
 
+/// Colour, opacity, normals, metal and roughness of one image: its bytes are there once.
+#[test]
+fn textures_of_one_image_share_it() {
+    let (scene, _) = load(&document()).unwrap();
+    let images: Vec<_> = scene
+        .textures
+        .iter()
+        .map(|texture| match texture {
+            Texture::Bitmap(Bitmap { texels: Texels::Stored(stored), .. }) => stored.raster(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(images.len(), 5);
+    assert!(images.iter().all(|image| std::sync::Arc::ptr_eq(image, images[0])));
+    assert_eq!(images[0].samples.bytes(), 4 * 2);
+}
+
 #[test]
 fn glass_and_transforms_of_textures() {
     let mut d = document();

@@ -2,20 +2,25 @@
 
 use crate::{Folder, Loaded};
 use exr::prelude::*;
-use image::{ImageFormat, Rgb, Rgb32FImage, RgbImage};
-use render::scene::{Bitmap, Environment, Texels, Texture};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgb32FImage, RgbImage};
+use render::image::from_srgb;
+use render::scene::{Bitmap, Environment, Texture};
 use std::io::Cursor;
 
 /// Two by one pixels: (255, 128, 0), (0, 0, 51).
 fn encoded(format: ImageFormat) -> Vec<u8> {
-    let mut out = Cursor::new(Vec::new());
     if format == ImageFormat::Hdr {
-        let image = Rgb32FImage::from_fn(2, 1, |x, _| if x == 0 { Rgb([1.0, 0.5, 0.0]) } else { Rgb([0.0, 0.0, 4.0]) });
-        image.write_to(&mut out, format).unwrap();
+        let pixel = |x, _| if x == 0 { Rgb([1.0, 0.5, 0.0]) } else { Rgb([0.0, 0.0, 4.0]) };
+        written(&Rgb32FImage::from_fn(2, 1, pixel).into(), format)
     } else {
-        let image = RgbImage::from_fn(2, 1, |x, _| if x == 0 { Rgb([255, 128, 0]) } else { Rgb([0, 0, 51]) });
-        image.write_to(&mut out, format).unwrap();
+        let pixel = |x, _| if x == 0 { Rgb([255, 128, 0]) } else { Rgb([0, 0, 51]) };
+        written(&RgbImage::from_fn(2, 1, pixel).into(), format)
     }
+}
+
+fn written(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    image.write_to(&mut out, format).unwrap();
     out.into_inner()
 }
 
@@ -68,8 +73,34 @@ fn display_formats_are_decoded_unless_raw() {
 fn channels_become_numbers() {
     let png = encoded(ImageFormat::Png);
     let green = texture("t.png", &png, "<string name='channel' value='g'/><boolean name='raw' value='true'/>").unwrap();
-    assert!(matches!(green.texels, Texels::Gray(t) if (t[0] - 0.502).abs() < 1e-3));
+    near(first(&green), [0.502; 3], 1e-3);
     assert!(texture("t.png", &png, "<string name='channel' value='q'/>").unwrap_err().contains("no channel `q`"));
+}
+
+/// Every value that 8 bits have, through the loader, as decoding gives it; and no more memory than they take.
+#[test]
+fn stored_values_decode_exactly() {
+    let image = RgbImage::from_fn(256, 1, |x, _| Rgb([x as u8, 255 - x as u8, 7]));
+    let png = written(&image.into(), ImageFormat::Png);
+    for (parameters, curve) in [("", from_srgb as fn(f32) -> f32), ("<boolean name='raw' value='true'/>", |x| x)] {
+        let texels = texture("t.png", &png, parameters).unwrap().texels;
+        assert_eq!(texels.bytes(), 3 * 256);
+        for i in 0..=255u8 {
+            let value = |byte: u8| curve(f32::from(byte) / 255.0);
+            assert_eq!(texels.get(i.into()).to_array(), [value(i), value(255 - i), value(7)], "{i}");
+        }
+    }
+    let deep = ImageBuffer::<Luma<u16>, _>::from_fn(300, 1, |x, _| Luma([x as u16 * 200]));
+    let texels = texture("t.png", &written(&deep.into(), ImageFormat::Png), "").unwrap().texels;
+    assert_eq!(texels.bytes(), 2 * 300);
+    for i in 0..300u16 {
+        assert_eq!(texels.get(i.into()).x, from_srgb(f32::from(i * 200) / 65535.0), "{i}");
+    }
+    // The numbers of this EXR fit half precision, but for the last.
+    for (blue, bytes) in [(0.25, 2), (0.1, 4)] {
+        let texels = texture("t.exr", &exr_of((0.5, -2.0, blue)), "").unwrap().texels;
+        assert_eq!((texels.bytes(), texels.get(0).to_array()), (3 * bytes * texels.len(), [0.5, -2.0, blue]));
+    }
 }
 
 #[test]

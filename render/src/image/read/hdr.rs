@@ -1,6 +1,7 @@
 //! Radiance HDR (Ward 1991; the manual's "filefmts"): a header of text, the resolution with one of eight orientations,
 //! and scanlines of four bytes a pixel: flat, or in the old or the new run-length encoding.
 
+use super::compact::compact;
 use super::primaries::{self, Primaries};
 use super::{Pixels, check_plausible, check_size, filled};
 use glam::DMat3;
@@ -57,8 +58,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     if let Some(matrix) = header.matrix {
         primaries::transform(&mut rgba, matrix);
     }
-    let (width, height) = (order.width, order.height);
-    Ok(Pixels { width, height, rgba, ..Pixels::default() })
+    let raster = compact(order.width, order.height, rgba);
+    Ok(Pixels { raster, ..Pixels::default() })
 }
 
 /// The next line, without its end.
@@ -203,7 +204,7 @@ mod tests {
     }
 
     fn reds(bytes: &[u8]) -> Vec<f32> {
-        decode(bytes).unwrap().rgba.iter().map(|p| p[0]).collect()
+        decode(bytes).unwrap().raster.pixels().map(|p| p[0]).collect()
     }
 
     #[test]
@@ -264,7 +265,7 @@ mod tests {
         let mut bytes = b"#?AUTOPANO\r\nFORMAT=32-bit_rle_xyze\r\n\r\n-Y 1 +X 1\r\n".to_vec();
         // White of Rec. 709: X = 0.9505, Y = 1, Z = 1.089.
         bytes.extend([122, 128, 139, 129]);
-        let pixel = decode(&bytes).unwrap().rgba[0];
+        let pixel = decode(&bytes).unwrap().raster.pixel(0);
         assert!(pixel[..3].iter().all(|c| (c - 1.0).abs() < 0.02), "{pixel:?}");
     }
 }

@@ -2,14 +2,16 @@
 //! their first bytes whatever the name says. Sizes are checked against limits, and against what the bytes could hold,
 //! before anything is allocated.
 
+mod compact;
+mod display;
 mod exr;
 mod hdr;
 mod primaries;
-mod raster;
 mod window;
 
 use super::write::content;
-use super::{Image, ImageError, from_srgb};
+use super::{Image, ImageError, Raster, from_srgb};
+use crate::memory;
 use crate::z_test::Noise;
 use std::path::Path;
 
@@ -21,42 +23,25 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// Larger files are refused.
 const MAX_FILE: u64 = 1 << 33;
 
-/// A decoded picture, row by row from the top; values as stored: no transfer function has been undone.
+/// A decoded picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pixels {
-    /// Pixels per row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Red, green, blue, alpha; integer formats scaled to 0 … 1, grey repeated, alpha 1 where the file has none.
-    /// Colours are finite; alpha need not be, for few who read a picture ask for it.
-    pub rgba: Vec<[f32; 4]>,
-    /// Whether the format stores display values (8-bit or 16-bit integers) rather than linear light.
-    pub display_referred: bool,
+    /// The pixels as stored: no transfer function has been undone. Colours are finite; alpha need not be, for few who
+    /// read a picture ask for it.
+    pub raster: Raster,
     /// Where the pixels lie, for formats that say so (OpenEXR).
     pub windows: Option<Windows>,
     /// What the file left open, and how it was read: one line each.
     pub warnings: Vec<String>,
 }
 
-impl Pixels {
-    /// The first pixel (column, row) whose alpha is not finite.
-    pub fn alpha_not_finite(&self) -> Option<(u32, u32)> {
-        self.find(|p| !p[3].is_finite())
-    }
-
-    fn find(&self, wrong: impl Fn(&[f32; 4]) -> bool) -> Option<(u32, u32)> {
-        let at = self.rgba.iter().position(wrong)? as u32;
-        Some((at % self.width, at / self.width))
-    }
-}
-
 impl From<Pixels> for Image {
     /// Undoes the sRGB curve of formats made for display, and drops alpha.
-    fn from(pixels: Pixels) -> Self {
-        let linear = |x| if pixels.display_referred { from_srgb(x) } else { x };
-        let rgb = pixels.rgba.iter().map(|&[r, g, b, _]| [r, g, b].map(linear)).collect();
-        Self { width: pixels.width, height: pixels.height, pixels: rgb }
+    fn from(Pixels { raster, .. }: Pixels) -> Self {
+        let display_referred = raster.is_display_referred();
+        let linear = |x| if display_referred { from_srgb(x) } else { x };
+        let pixels = raster.pixels().map(|[r, g, b, _]| [r, g, b].map(linear)).collect();
+        Self { width: raster.width, height: raster.height, pixels }
     }
 }
 
@@ -86,7 +71,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Pixels, ImageError> {
     } else if bytes.starts_with(hdr::MAGIC) {
         hdr::decode(bytes)
     } else {
-        raster::decode(bytes)
+        display::decode(bytes)
     };
     checked(pixels.map_err(|reason| content(path, one_line(&reason)))?, path)
 }
@@ -111,10 +96,10 @@ pub fn read_noise(path: &Path) -> Result<Option<Noise>, ImageError> {
 
 /// The promise that colours are finite.
 fn checked(pixels: Pixels, path: &Path) -> Result<Pixels, ImageError> {
-    if pixels.rgba.is_empty() {
+    if pixels.raster.is_empty() {
         return Err(content(path, "an image without pixels"));
     }
-    match pixels.find(|p| p[..3].iter().any(|c| !c.is_finite())) {
+    match pixels.raster.color_not_finite() {
         Some((x, y)) => Err(content(path, format_args!("pixel ({x}, {y}) is not finite"))),
         None => Ok(pixels),
     }
@@ -155,8 +140,15 @@ fn check_plausible(pixels: usize, available: usize, per_byte: usize) -> Result<(
     Err(format!("{available} bytes cannot hold the {pixels} pixels that its header claims"))
 }
 
+/// Refuses pixels of so many bytes in all for which there is not enough memory. Small ones are not worth the question.
+fn require_room(pixels: usize, bytes: u64) -> Result<(), String> {
+    const SMALL: u64 = 1 << 26;
+    if bytes < SMALL { Ok(()) } else { memory::require(&format!("an image of {pixels} pixels"), bytes) }
+}
+
 /// So many equal pixels, if memory suffices.
 fn filled<T: Copy>(pixels: usize, value: T) -> Result<Vec<T>, String> {
+    require_room(pixels, pixels as u64 * size_of::<T>() as u64)?;
     let mut all = Vec::new();
     all.try_reserve_exact(pixels).map_err(|_| format!("not enough memory for {pixels} pixels"))?;
     all.resize(pixels, value);

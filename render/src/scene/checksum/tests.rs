@@ -2,10 +2,11 @@
 
 use super::super::{
     AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Falloff, Film, Filter,
-    FloatTexture, Geometry, Group, Instance, Interpolation, Lens, Light, Material, MaterialId, Mesh, Projection, Rgb,
-    Rows, Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
+    FloatTexture, Geometry, Group, Instance, Interpolation, Lens, Light, Material, MaterialId, Mesh, Projection,
+    Reading, Rgb, Rows, Shape, Sphere, Stored, Texels, Texture, TextureId, Transfer, WardVariant, Wrap,
 };
 use super::*;
+use crate::image::{Channels, Raster, Samples};
 use brdf_tables::brdf::{Sheen, Specular};
 use glam::{Affine2, Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use serde::de::{DeserializeOwned, IntoDeserializer, value::StrDeserializer};
@@ -28,6 +29,10 @@ fn scenes() -> Vec<Scene> {
     };
     let gray = bitmap(Texels::Gray(vec![0.25, 0.75]));
     let rgb = bitmap(Texels::Rgb(vec![[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]));
+    let stored = |channels, samples, reading, transfer| {
+        let raster = Raster { width: 2, height: 1, channels, samples };
+        Texture::Bitmap(bitmap(Texels::Stored(Stored::new(raster.into(), reading, transfer))))
+    };
     let (alpha_u, alpha_v) = (f(0.1), FloatTexture::Scaled(texture(0), 0.5));
     let (distribution, eta, nonlinear) = (Distribution::Ggx, 1.5, false);
     let (reflectance, transmittance, diffuse, specular) = (c(0.9), c(0.8), c(0.3), c(0.4));
@@ -91,6 +96,11 @@ fn scenes() -> Vec<Scene> {
             Texture::Bitmap(gray.clone()),
             Texture::Bitmap(rgb.clone()),
             Texture::Checkerboard { color0: Rgb::ZERO, color1: Rgb::ONE, to_uv: Affine2::IDENTITY },
+            stored(Channels::Gray, Samples::U8(vec![1, 2]), Reading::Color, Transfer::Srgb),
+            stored(Channels::GrayAlpha, Samples::U16(vec![1, 2, 3, 4]), Reading::Step(0.5), Transfer::Linear),
+            stored(Channels::Rgb, Samples::U8(vec![1, 2, 3, 4, 5, 6]), Reading::Luminance, Transfer::Gamma(2.0)),
+            stored(Channels::Rgba, Samples::Half(vec![1, 2, 3, 4, 5, 6, 7, 8]), Reading::Channel(1), Transfer::Linear),
+            stored(Channels::Rgb, Samples::F32(vec![0.5; 6]), Reading::Normal, Transfer::Linear),
         ],
         lights: vec![
             Light::Point { position, intensity: Rgb::ONE },
@@ -156,9 +166,12 @@ fn variants<T: DeserializeOwned>() -> &'static [&'static str] {
     T::deserialize(name).err().map_or(&[], |e| e.0)
 }
 
-/// Variants without fields, which a scene's encoding writes as words.
+/// Variants of the types that have some without fields, which a scene's encoding writes as words.
 fn words() -> Vec<&'static str> {
     [
+        variants::<Channels>(),
+        variants::<Reading>(),
+        variants::<Transfer>(),
         variants::<Distribution>(),
         variants::<WardVariant>(),
         variants::<Wrap>(),
@@ -239,6 +252,7 @@ fn every_variant_is_there() {
         variants::<Material>(),
         variants::<Texture>(),
         variants::<Texels>(),
+        variants::<Samples>(),
         variants::<ColorTexture>(),
         variants::<FloatTexture>(),
         variants::<Light>(),
@@ -253,7 +267,10 @@ fn every_variant_is_there() {
             assert!(text.contains(&format!("\"{variant}\":")), "{variant}");
         }
     }
-    assert_eq!(words().len(), 14);
+    for word in [variants::<Channels>(), variants::<Reading>(), variants::<Transfer>()].concat() {
+        assert!(text.contains(&format!("\"{word}\"")), "{word}");
+    }
+    assert_eq!(words().len(), 26);
 }
 
 /// Numbers that move from one list to another do not cancel out.

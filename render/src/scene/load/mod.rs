@@ -20,7 +20,7 @@ mod warnings;
 
 use super::Scene;
 use error::brief;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use error::{FileError, LoadError, Place};
 pub use gltf::LightUnits;
@@ -58,6 +58,8 @@ pub struct Loaded {
     pub cameras: Vec<Vec<String>>,
     /// Which of them takes the picture; `None` where there is none.
     pub camera: Option<usize>,
+    /// The files that were read for it: scene text, meshes, materials, images, buffers.
+    pub files: Vec<PathBuf>,
 }
 
 /// [`open`], without the cameras: the scene and warnings.
@@ -98,9 +100,13 @@ pub fn open(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
         "obj" | "ply" | "stl" => model::load(path, &extension, options)?,
         other => return Err(FileError::new(path, not_a_scene(other)).into()),
     };
-    let Loaded { scene, warnings, .. } = &mut loaded;
+    let Loaded { scene, warnings, files, .. } = &mut loaded;
+    files.push(path.into());
     if let Some(sky) = &options.environment {
         scene.environment = Some(sky.environment(warnings)?);
+        if let SkySource::Picture(path) = &sky.source {
+            files.push(path.clone());
+        }
     }
     if matches!(extension.as_str(), "gltf" | "glb") && !scene.shines() {
         warnings.push(format!("{}: {}", path.display(), dark::GLTF));

@@ -4,6 +4,7 @@ mod blocks;
 mod chroma;
 mod layers;
 
+use super::compact::compact;
 use super::primaries::{self, Primaries, REC_709};
 use super::{Pixels, Window, Windows, check_size, filled, one_line};
 use crate::image::write::SPP;
@@ -110,7 +111,7 @@ impl<'a> File<'a> {
         if let Some(matrix) = matrix {
             primaries::transform(&mut rgba, matrix);
         }
-        Ok(Pixels { width, height, rgba, windows: Some(windows), ..Pixels::default() })
+        Ok(Pixels { raster: compact(width, height, rgba), windows: Some(windows), ..Pixels::default() })
     }
 }
 

@@ -2,12 +2,14 @@
 //! and counts.
 
 use super::uri;
+use crate::image::Pixels;
 use crate::scene::load::error::FileError;
-use crate::scene::load::image::{self, Pixels};
+use crate::scene::load::image;
 use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, Document, buffer, image as gltf_image};
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
 /// Larger buffers are refused.
 const MAX_FILE: u64 = 1 << 33;
@@ -21,23 +23,23 @@ const FREE_ZEROS: usize = 1 << 16;
 /// A glTF file with its buffers.
 pub struct Data<'a> {
     pub path: &'a Path,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Data<'a> {
     /// Reads all buffers; `blob` is the binary chunk of a GLB file.
-    pub fn new(path: &'a Path, document: &Document, mut blob: Option<&[u8]>) -> Result<Self, FileError> {
+    pub fn new(path: &'a Path, document: &Document, mut blob: Option<&'a [u8]>) -> Result<Self, FileError> {
         let mut buffers = Vec::new();
         for buffer in document.buffers() {
             let error = |what: String| FileError::new(path, format_args!("buffer {}: {what}", buffer.index()));
-            let bytes = match buffer.source() {
+            let bytes: Cow<[u8]> = match buffer.source() {
                 buffer::Source::Bin => {
                     let chunk = blob.take().ok_or_else(|| error("the binary chunk is missing".into()))?;
-                    chunk.to_vec()
+                    chunk.into()
                 }
                 buffer::Source::Uri(uri) => match uri::data(uri) {
-                    Some(bytes) => bytes.map_err(error)?,
-                    None => uri::file(path, uri, MAX_FILE)?,
+                    Some(bytes) => bytes.map_err(error)?.into(),
+                    None => uri::file(path, uri, MAX_FILE)?.into(),
                 },
             };
             if bytes.len() < buffer.length() {
@@ -86,7 +88,7 @@ impl<'a> Data<'a> {
                 self.blocks(&view, place, &name("its elements"))?.collect()
             }
             // A file of few data has no use for many elements that are zero: no more than it has bytes.
-            None if count == 0 || count > self.buffers.iter().map(Vec::len).sum::<usize>().max(FREE_ZEROS) => {
+            None if count == 0 || count > self.buffers.iter().map(|b| b.len()).sum::<usize>().max(FREE_ZEROS) => {
                 return Err(self.error(name(&format!("{count} elements without data"))));
             }
             None => vec![&ZEROS[..size]; count],
@@ -172,6 +174,24 @@ impl<'a> Data<'a> {
             DataType::I8 | DataType::I16 | DataType::F32 => None,
         };
         self.numbers(accessor, number)
+    }
+
+    /// The files of buffers and images beside the scene.
+    pub fn files<'d>(
+        &self,
+        document: &'d Document,
+        images: impl Iterator<Item = gltf_image::Image<'d>>,
+    ) -> Vec<PathBuf> {
+        let buffers = document.buffers().filter_map(|buffer| match buffer.source() {
+            buffer::Source::Uri(uri) => Some(uri),
+            buffer::Source::Bin => None,
+        });
+        let images = images.filter_map(|image| match image.source() {
+            gltf_image::Source::Uri { uri, .. } => Some(uri),
+            gltf_image::Source::View { .. } => None,
+        });
+        let outside = buffers.chain(images).filter(|uri| !uri::is_data(uri));
+        outside.filter_map(|uri| uri::path_of(self.path, uri).ok()).collect()
     }
 
     /// Decodes an image.

@@ -70,7 +70,8 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
             None => {}
         }
         let (cameras, camera) = builder.document(&document, options)?;
-        Ok(Loaded { scene: builder.scene, warnings: builder.warnings, cameras, camera })
+        let files = data.files(&document, builder.images_read());
+        Ok(Loaded { scene: builder.scene, warnings: builder.warnings, cameras, camera, files })
     }));
     result
         .unwrap_or_else(|_| Err(FileError::new(path, "damaged: the glTF library failed on it")))
@@ -115,7 +116,7 @@ impl<'a> Builder<'a> {
             document,
             data,
             scene: Scene::default(),
-            textures: Default::default(),
+            textures: texture::TextureCache::new(options.skip_missing),
             materials: BTreeMap::new(),
             pose: Pose::of_nodes(document),
             skins: BTreeMap::new(),
@@ -181,7 +182,11 @@ impl<'a> Builder<'a> {
         for node in roots {
             self.node(&node, DAffine3::IDENTITY, true, 0)?;
         }
-        for (posed, placements) in std::mem::take(&mut self.placements) {
+        let placements = std::mem::take(&mut self.placements);
+        let all: Vec<gltf::Mesh> = document.meshes().collect();
+        let drawn: Vec<gltf::Mesh> = placements.keys().filter_map(|posed| all.get(posed.mesh).cloned()).collect();
+        self.announce_images(&drawn);
+        for (posed, placements) in placements {
             let mesh = document.meshes().nth(posed.mesh).ok_or_else(|| self.data.error("a mesh is missing"))?;
             self.mesh(&mesh, &posed, &placements)?;
         }

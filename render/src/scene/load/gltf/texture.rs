@@ -1,14 +1,15 @@
 //! glTF textures: images, samplers, transforms of texture coordinates.
 
 use super::Builder;
+use crate::image::{Raster, Samples};
 use crate::scene::load::error::FileError;
-use crate::scene::load::image::{Pixels, srgb_to_linear};
-use crate::scene::{Bitmap, Interpolation, Texels, Texture, TextureId, Wrap};
+use crate::scene::load::image::Images;
+use crate::scene::{Bitmap, Interpolation, Reading, Stored, Texels, Texture, TextureId, Transfer, Wrap};
 use glam::Affine2;
 use gltf::texture::{MagFilter, WrappingMode};
 use serde_json::Value;
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// What a texture is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,7 +17,7 @@ pub(super) enum Channel {
     /// sRGB-encoded colour.
     Color,
     /// One channel, linear.
-    Linear(usize),
+    Linear(u8),
     /// Alpha; red in an image without: Blender's exporter leaves a strength where it was.
     Strength,
     /// 1 where alpha reaches the cutoff (its bits), else 0.
@@ -26,11 +27,41 @@ pub(super) enum Channel {
 }
 
 /// Images decoded and textures made so far.
-#[derive(Default)]
 pub struct TextureCache {
-    /// `None` where the file is missing, and may be.
-    images: HashMap<usize, Option<Rc<Pixels>>>,
+    images: Images<usize>,
+    /// Images whose files are missing, and may be.
+    missing: HashSet<usize>,
     textures: HashMap<(usize, Channel, [u32; 6], bool), TextureId>,
+}
+
+impl TextureCache {
+    pub fn new(skip_missing: bool) -> Self {
+        Self { images: Images::new(skip_missing), missing: HashSet::new(), textures: HashMap::new() }
+    }
+}
+
+/// The textures that materials refer to, of those that are drawn.
+const READ: [&str; 10] = [
+    "baseColorTexture",
+    "metallicRoughnessTexture",
+    "normalTexture",
+    "emissiveTexture",
+    "transmissionTexture",
+    "specularTexture",
+    "specularColorTexture",
+    "clearcoatTexture",
+    "clearcoatRoughnessTexture",
+    "clearcoatNormalTexture",
+];
+
+/// Indices of the textures that a material in JSON refers to, in the order of the text.
+fn references(material: &Value, found: &mut Vec<usize>) {
+    for (name, value) in material.as_object().into_iter().flatten() {
+        match value.get("index").and_then(Value::as_u64) {
+            Some(index) if READ.contains(&name.as_str()) => found.push(index as usize),
+            _ => references(value, found),
+        }
+    }
 }
 
 /// The fields that the different kinds of texture references of the `gltf` crate share.
@@ -90,35 +121,58 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// The image of a texture, decoded once; a WebP image that an extension names goes first.
-    fn pixels(&mut self, texture: &gltf::Texture) -> Result<Option<Rc<Pixels>>, FileError> {
+    /// Decodes together the images that the materials of meshes read.
+    pub(super) fn announce_images(&mut self, meshes: &[gltf::Mesh]) {
+        let materials = meshes.iter().flat_map(|mesh| mesh.primitives()).filter_map(|p| p.material().index());
+        let (mut seen, mut textures) = (HashSet::new(), Vec::new());
+        for material in materials.filter(|index| seen.insert(*index)) {
+            let json = self.document.as_json().materials.get(material).map(serde_json::to_value);
+            references(&json.and_then(Result::ok).unwrap_or_default(), &mut textures);
+        }
+        let all: Vec<gltf::Texture> = self.document.textures().collect();
+        let images = textures.into_iter().filter_map(|index| Some(self.image_of(all.get(index)?)?.0.index()));
+        let (images, data): (Vec<usize>, _) = (images.collect(), self.data);
+        let all: Vec<gltf::Image> = self.document.images().collect();
+        self.textures.images.announce(images, |index| data.image(&all[*index]));
+    }
+
+    /// The image of a texture, and whether an extension names it: a WebP image, which goes first.
+    fn image_of(&self, texture: &gltf::Texture) -> Option<(gltf::Image<'a>, bool)> {
         let webp = texture.extension_value("EXT_texture_webp").and_then(|e| e.get("source")).and_then(Value::as_u64);
         let webp = webp.and_then(|i| self.document.images().nth(i as usize));
         let by_extension = webp.is_some();
-        let Some(image) = webp.or(texture.source()) else {
+        let own = || self.document.images().nth(texture.source()?.index());
+        webp.or_else(own).map(|image| (image, by_extension))
+    }
+
+    /// The pixels of a texture; `None` where the file is missing, and may be.
+    fn pixels(&mut self, texture: &gltf::Texture) -> Result<Option<Arc<Raster>>, FileError> {
+        let Some((image, by_extension)) = self.image_of(texture) else {
             let names = texture.extensions().map(|e| e.keys().cloned().collect::<Vec<_>>().join(", "));
             let names = names.filter(|n| !n.is_empty()).unwrap_or_else(|| "no image at all".into());
             let what = format!("texture {}: its image is not of glTF itself, but of {names}", texture.index());
             return Err(self.data.error(what));
         };
-        if let Some(pixels) = self.textures.images.get(&image.index()) {
-            return Ok(pixels.clone());
-        }
-        let pixels = match self.data.image(&image) {
-            Ok(pixels) => Some(Rc::new(pixels)),
+        match self.textures.images.get(&image.index(), |_| self.data.image(&image)) {
+            Ok(decoded) => Ok(Some(decoded.raster)),
             Err(e) if e.missing && self.skip_missing => {
-                self.missing.push(e.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
-                None
+                if self.textures.missing.insert(image.index()) {
+                    self.missing.push(e.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+                }
+                Ok(None)
             }
-            Err(e) if e.missing => return Err(e.advise("--skip-missing draws an even grey instead")),
+            Err(e) if e.missing => Err(e.advise("--skip-missing draws an even grey instead")),
             Err(e) if by_extension => {
                 let (i, what) = (texture.index(), e.what);
-                return Err(self.data.error(format_args!("texture {i}: its image of EXT_texture_webp: {what}")));
+                Err(self.data.error(format_args!("texture {i}: its image of EXT_texture_webp: {what}")))
             }
-            Err(e) => return Err(e),
-        };
-        self.textures.images.insert(image.index(), pixels.clone());
-        Ok(pixels)
+            Err(e) => Err(e),
+        }
+    }
+
+    /// The images that textures show.
+    pub(super) fn images_read(&self) -> impl Iterator<Item = gltf::Image<'a>> {
+        self.document.images().filter(|image| self.textures.images.holds(&image.index()))
     }
 
     /// Whether a material reads a set of texture coordinates as its second; of more than two, the first stands in.
@@ -150,7 +204,7 @@ impl<'a> Builder<'a> {
         let bitmap = Bitmap {
             width: pixels.as_ref().map_or(1, |p| p.width),
             height: pixels.as_ref().map_or(1, |p| p.height),
-            texels: pixels.map_or_else(|| even(channel), |p| texels(&p, channel)),
+            texels: pixels.map_or_else(|| even(channel), |p| Texels::Stored(stored(p, channel))),
             wrap: [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
                 WrappingMode::Repeat => Wrap::Repeat,
                 WrappingMode::MirroredRepeat => Wrap::Mirror,
@@ -170,20 +224,25 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn texels(pixels: &Pixels, channel: Channel) -> Texels {
-    let rgba = pixels.rgba.iter();
+fn stored(raster: Arc<Raster>, channel: Channel) -> Stored {
     match channel {
-        Channel::Color => Texels::Rgb(rgba.map(|&[r, g, b, _]| [r, g, b].map(srgb_to_linear)).collect()),
-        Channel::Linear(i) => Texels::Gray(rgba.map(|p| p[i]).collect()),
+        Channel::Color => Stored::new(raster, Reading::Color, Transfer::Srgb),
+        Channel::Linear(i) => Stored::new(raster, Reading::Channel(i), Transfer::Linear),
         Channel::Strength => {
-            let channel = if pixels.rgba.iter().all(|p| p[3] >= 1.0) { 0 } else { 3 };
-            Texels::Gray(rgba.map(|p| p[channel]).collect())
+            let reading = Reading::Channel(if is_opaque(&raster) { 0 } else { 3 });
+            Stored::new(raster, reading, Transfer::Linear)
         }
-        Channel::Cutoff(bits) => {
-            let threshold = f32::from_bits(bits);
-            Texels::Gray(rgba.map(|p| if p[3] >= threshold { 1.0 } else { 0.0 }).collect())
-        }
-        Channel::Normal => Texels::Rgb(rgba.map(|&[r, g, b, _]| [r, 1.0 - g, b]).collect()),
+        Channel::Cutoff(bits) => Stored::new(raster, Reading::Step(f32::from_bits(bits)), Transfer::Linear),
+        Channel::Normal => Stored::new(raster, Reading::Normal, Transfer::Linear),
+    }
+}
+
+/// Whether the alpha of an image says nothing.
+fn is_opaque(raster: &Raster) -> bool {
+    let (Some(alpha), count) = (raster.channels.alpha(), raster.channels.count()) else { return true };
+    match &raster.samples {
+        Samples::U8(samples) => samples.chunks_exact(count).all(|pixel| pixel[alpha] == u8::MAX),
+        _ => raster.pixels().all(|p| p[3] >= 1.0),
     }
 }
 

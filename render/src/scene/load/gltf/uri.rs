@@ -15,11 +15,16 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
+const SCHEME: &str = "data:";
+
 /// Content of a data URI; `None` for other URIs. The error never holds the data.
 pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
-    let uri = uri.trim_start();
-    let rest = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:")).map(|_| &uri[5..])?;
-    Some(decode(rest))
+    is_data(uri).then(|| decode(&uri.trim_start()[SCHEME.len()..]))
+}
+
+/// Whether a URI holds its data.
+pub fn is_data(uri: &str) -> bool {
+    uri.trim_start().get(..SCHEME.len()).is_some_and(|scheme| scheme.eq_ignore_ascii_case(SCHEME))
 }
 
 fn decode(rest: &str) -> Result<Vec<u8>, String> {
@@ -59,7 +64,16 @@ fn percent_decoded(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// Path of a file that a glTF file at `path` names; its name is tried as it is, too.
+/// Path of a file that a URI without data names in a glTF file at `path`.
+pub fn path_of(path: &Path, uri: &str) -> Result<PathBuf, FileError> {
+    place(path, &beside_it(path), uri)
+}
+
+fn beside_it(path: &Path) -> Folders {
+    Folders(vec![path.parent().unwrap_or(Path::new("")).into()])
+}
+
+/// The name is tried as it is, too.
 fn place(path: &Path, folders: &Folders, uri: &str) -> Result<PathBuf, FileError> {
     if let Some((scheme @ ("http" | "https" | "ftp"), _)) = uri.split_once(':') {
         return Err(FileError::new(path, format_args!("a file of the network ({scheme}) is not fetched")));
@@ -77,7 +91,7 @@ pub fn file(path: &Path, uri: &str, limit: u64) -> Result<Vec<u8>, FileError> {
 
 /// Reads, with `read`, the file that a URI without data names.
 pub fn beside<T>(path: &Path, uri: &str, read: impl FnOnce(&Path) -> Result<T, FileError>) -> Result<T, FileError> {
-    let folders = Folders(vec![path.parent().unwrap_or(Path::new("")).into()]);
+    let folders = beside_it(path);
     read(&place(path, &folders, uri)?).map_err(|e| folders.advise(path, uri, e))
 }
 

@@ -11,10 +11,14 @@ pub(super) mod text;
 use super::error::FileError;
 use crate::scene::Mesh;
 use glam::{Affine3A, DVec3, Vec2, Vec3};
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Larger coordinates overflow the squared areas that single precision computes with.
 pub const MAX_COORDINATE: f32 = 1e9;
+
+/// Triangles or vertices that are worth handing to another thread.
+const BATCH: usize = 1 << 12;
 
 /// A mesh as it stands in its file; normals may have any length, and zero where a vertex has none.
 #[derive(Clone, Debug)]
@@ -104,7 +108,10 @@ pub fn finish(mut mesh: Mesh, finish: Finish, path: &Path) -> Result<(Mesh, usiz
     }
     let before = mesh.triangles.len();
     let Mesh { triangles, positions, .. } = &mut mesh;
-    triangles.retain(|t| area_vector(positions, t).length_squared() >= f64::from(f32::MIN_POSITIVE));
+    let has_area = |t: &[u32; 3]| area_vector(positions, t).length_squared() >= f64::from(f32::MIN_POSITIVE);
+    if !triangles.par_iter().with_min_len(BATCH).all(has_area) {
+        triangles.retain(has_area);
+    }
     let dropped = before - triangles.len();
     if mesh.normals.is_empty() && !finish.face_normals {
         mesh.normals = smooth_normals(&mesh);
@@ -146,12 +153,19 @@ fn area_vector(positions: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
 
 /// Vertex normals as the mean of the faces' normals weighted by their angle at the vertex (Thürmer & Wüthrich 1998).
 pub fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
-    for t in &mesh.triangles {
+    let weighted = |t: &[u32; 3]| {
         let normal = area_vector(&mesh.positions, t).normalize_or_zero().as_vec3();
-        for k in 0..3 {
+        [0, 1, 2].map(|k| {
             let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|j| mesh.positions[t[j] as usize]);
-            sums[t[k] as usize] += normal * (b - a).angle_between(c - a);
+            normal * (b - a).angle_between(c - a)
+        })
+    };
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    // Angles take the time; sums are made in the order of the triangles, for rounding depends on it.
+    for triangles in mesh.triangles.chunks(64 * BATCH) {
+        let each: Vec<[Vec3; 3]> = triangles.par_iter().with_min_len(BATCH).map(weighted).collect();
+        for (t, normals) in triangles.iter().zip(each) {
+            (0..3).for_each(|k| sums[t[k] as usize] += normals[k]);
         }
     }
     // A vertex whose faces cancel, or without a face, has no direction of its own: any unit vector keeps the promise.
@@ -162,15 +176,15 @@ pub fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
 /// faces'.
 fn agree_with_normals(mesh: &mut Mesh) {
     let Mesh { triangles, positions, normals, .. } = mesh;
-    for t in triangles {
+    triangles.par_iter_mut().with_min_len(BATCH).for_each(|t| {
         let sum: Vec3 = t.iter().map(|&i| normals[i as usize]).sum();
         if area_vector(positions, t).dot(sum.as_dvec3()) < 0.0 {
             t.swap(1, 2);
         }
-    }
+    });
     if mesh.normals.contains(&Vec3::ZERO) {
         let made = smooth_normals(mesh);
         mesh.normals.iter_mut().zip(made).filter(|(n, _)| **n == Vec3::ZERO).for_each(|(n, made)| *n = made);
     }
-    mesh.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
+    mesh.normals.par_iter_mut().with_min_len(BATCH).for_each(|n| *n = n.normalize_or(Vec3::Z));
 }

@@ -87,6 +87,11 @@ impl<'a> Lines<'a> {
         Self { rest: bytes, number: 0 }
     }
 
+    /// How many lines of the file were read.
+    pub fn read(&self) -> usize {
+        self.number
+    }
+
     /// The next line as it stands in the file.
     fn physical(&mut self) -> &'a [u8] {
         self.number += 1;
@@ -120,6 +125,26 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
+/// Cuts text between lines into pieces of about `size` bytes that can be read one without the other: no line goes on from
+/// one into the next.
+pub fn whole_lines(text: &[u8], size: usize) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let mut within = size.clamp(1, rest.len()) - 1;
+        if within > 0 && rest[within - 1..].starts_with(b"\r\n") {
+            within -= 1;
+        }
+        let start = memchr::memrchr2(b'\n', b'\r', &rest[..within]).map_or(0, |end| end + 1);
+        let mut lines = Lines::new(&rest[start..]);
+        while continued(lines.physical()).is_some() {}
+        let (piece, after) = rest.split_at(rest.len() - lines.rest.len());
+        pieces.push(piece);
+        rest = after;
+    }
+    pieces
+}
+
 /// A line without the `\` at its end, if there is one.
 fn continued(line: &[u8]) -> Option<&[u8]> {
     line.trim_ascii_end().strip_suffix(b"\\")
@@ -136,6 +161,20 @@ mod tests {
         let expected = [(1, "a"), (2, "b"), (3, "c"), (4, "d e  f"), (7, "# g\\"), (8, "h ")];
         assert_eq!(lines, expected.map(|(n, l)| (n, l.to_owned())));
         assert_eq!(line_number(text, text.len()), 8);
+    }
+
+    #[test]
+    fn pieces_end_with_lines() {
+        let text = b"a\nbc\r\nd \\\ne\r\rf\\\r\ng";
+        for size in 1..=text.len() + 1 {
+            let pieces = whole_lines(text, size);
+            assert_eq!(pieces.concat(), text, "{size}");
+            let lines = pieces.iter().flat_map(|piece| Lines::new(piece)).map(|(_, line)| line.into_owned());
+            let whole: Vec<_> = Lines::new(text).map(|(_, line)| line.into_owned()).collect();
+            assert_eq!(lines.collect::<Vec<_>>(), whole, "{size}");
+        }
+        assert_eq!(whole_lines(text, 1), [&b"a\n"[..], b"bc\r\n", b"d \\\ne\r", b"\r", b"f\\\r\ng"]);
+        assert!(whole_lines(b"", 1).is_empty());
     }
 
     #[test]

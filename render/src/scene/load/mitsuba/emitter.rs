@@ -2,8 +2,10 @@
 
 use super::Builder;
 use super::object::Object;
-use super::texture::{Transfer, rgb_texels};
+use super::texture::{own_transfer, transfer};
+use crate::image::Pixels;
 use crate::scene::load::error::LoadError;
+use crate::scene::load::image;
 use crate::scene::load::similarity::similarity;
 use crate::scene::{
     AreaEmitter, Bitmap, ColorTexture, Environment, EnvironmentMap, Falloff, Interpolation, Light, Rgb, Rows, Texels,
@@ -86,17 +88,23 @@ impl Builder<'_> {
         let (rotation, _) = similarity(to_world.matrix3)
             .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal and of equal length"))?;
         let name = object.require_text("filename")?;
-        let transfer = Transfer::new(object, false)?;
-        let pixels = self.read_image(object, name)?;
-        let mut texels = rgb_texels(&pixels, transfer);
+        let transfer = transfer(object, false)?;
+        let path = self.objects.path(object, name);
+        let pixels = image::read(&path);
+        let Pixels { raster, warnings, .. } = pixels.map_err(|error| self.objects.asset(object, name, error))?;
+        self.files.push(path);
+        self.warn_of(object, name, &warnings);
+        let transfer = transfer.unwrap_or_else(|| own_transfer(&raster));
+        let decoded = raster.pixels().map(|[r, g, b, _]| [r, g, b].map(|c| transfer.decode(c)));
+        let mut texels: Vec<[f32; 3]> = decoded.collect();
         // Resampled high dynamic range images often ring below zero.
         let negative = texels.iter_mut().flatten().filter(|c| **c < 0.0).map(|c| *c = 0.0).count();
         if negative > 0 {
             self.warn(object, format_args!("{negative} negative values of {name} became 0"));
         }
         let image = Bitmap {
-            width: pixels.width,
-            height: pixels.height,
+            width: raster.width,
+            height: raster.height,
             texels: Texels::Rgb(texels),
             wrap: [Wrap::Repeat; 2],
             second_uv: false,

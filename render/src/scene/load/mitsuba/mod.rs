@@ -18,12 +18,13 @@ mod xml;
 
 use super::choose::{choose, list};
 use super::error::{LoadError, brief};
+use super::image::Images;
 use super::{Loaded, Options, SkySource, left_out};
 use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
 use object::Object;
 use objects::{ObjectId, Objects};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Loads a scene file.
 ///
@@ -33,15 +34,17 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
     let mut document = xml::read(path, &options.defines)?;
     let mut warnings = std::mem::take(&mut document.warnings);
     warnings.extend(document.unused_defines.iter().map(|name| format!("-D {name}: the scene has no such parameter")));
+    let files = std::mem::take(&mut document.files);
     let objects = Objects::new(document)?;
     let mut builder = Builder::new(&objects, options);
+    builder.files = files;
     let (cameras, camera) = builder.scene()?;
     warnings.append(&mut builder.warnings);
     warnings.extend(left_out("shapes are left out: no", &builder.missing_meshes));
     warnings.extend(left_out("textures are an even grey: no", &builder.missing_textures));
-    let scene = builder.scene;
+    let Builder { scene, files, .. } = builder;
     warnings.extend(objects.unused());
-    Ok(Loaded { scene, warnings, cameras, camera: Some(camera) })
+    Ok(Loaded { scene, warnings, cameras, camera: Some(camera), files })
 }
 
 /// A scene in the making.
@@ -55,6 +58,7 @@ struct Builder<'a> {
     /// Material of shapes that name none, by whether they emit.
     default_materials: HashMap<bool, MaterialId>,
     groups: HashMap<ObjectId, u32>,
+    images: Images<PathBuf>,
     skip_missing: bool,
     /// The sky from outside, which the file must not have then.
     sky: Option<&'a SkySource>,
@@ -63,6 +67,8 @@ struct Builder<'a> {
     /// Files of shapes that are left out, and of textures.
     missing_meshes: Vec<String>,
     missing_textures: Vec<String>,
+    /// Files that were read.
+    files: Vec<PathBuf>,
 }
 
 impl<'a> Builder<'a> {
@@ -75,11 +81,13 @@ impl<'a> Builder<'a> {
             textures: HashMap::new(),
             default_materials: HashMap::new(),
             groups: HashMap::new(),
+            images: Images::new(options.skip_missing),
             skip_missing: options.skip_missing,
             sky: options.environment.as_ref().map(|sky| &sky.source),
             camera: options.camera.as_deref(),
             missing_meshes: Vec::new(),
             missing_textures: Vec::new(),
+            files: Vec::new(),
         }
     }
 
@@ -114,6 +122,7 @@ impl<'a> Builder<'a> {
             root.children_of(objects, class).for_each(drop);
         }
         let shapes: Vec<ObjectId> = root.children_of(objects, "shape").map(|(id, _)| id).collect();
+        self.announce_images(&shapes);
         self.shapes(&shapes)?;
         let names = names.into_iter().map(|own| own.into_iter().map(String::from).collect()).collect();
         Ok((names, chosen))

@@ -111,6 +111,12 @@ impl Object {
         if let Value::Text(text) = &p.value { Ok(Some(text)) } else { Err(p.error("a string is needed")) }
     }
 
+    /// A string, if there is one; it does not count as used.
+    pub fn peek(&self, name: &str) -> Option<&str> {
+        let found = self.parameters.iter().find(|p| p.name == name);
+        found.and_then(|p| if let Value::Text(text) = &p.value { Some(text.as_str()) } else { None })
+    }
+
     /// A string that must be there.
     pub fn require_text(&self, name: &str) -> Result<&str, LoadError> {
         self.text(name)?.ok_or_else(|| self.error(format!("the parameter `{name}` is missing")))

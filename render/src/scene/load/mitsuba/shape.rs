@@ -70,6 +70,8 @@ impl Builder<'_> {
         for &id in ids {
             pending.extend(self.pending(&objects[id], &mut files)?.map(|p| (id, p)));
         }
+        // Each file is dropped with the last mesh that it holds.
+        drop(files);
         // The first error in file order wins, so that the message does not depend on timing.
         let done: Vec<_> = pending.into_par_iter().map(|(id, p)| (id, p.finish())).collect();
         let mut shapes = Vec::new();
@@ -173,7 +175,7 @@ impl Builder<'_> {
 
 /// `None` where the file is missing and may be.
 fn source(
-    builder: &Builder,
+    builder: &mut Builder,
     object: &Object,
     files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
 ) -> Result<Option<Source>, LoadError> {
@@ -209,7 +211,10 @@ fn source(
     let bytes = match files.get(&path) {
         Some(bytes) => bytes.clone(),
         None => match read_file(&path, MAX_FILE) {
-            Ok(read) => files.entry(path.clone()).or_insert(Arc::new(read)).clone(),
+            Ok(read) => {
+                builder.files.push(path.clone());
+                files.entry(path.clone()).or_insert(Arc::new(read)).clone()
+            }
             Err(error) if error.missing && builder.skip_missing => return Ok(None),
             Err(error) => {
                 let skip = error.missing.then_some("--skip-missing draws the rest");

@@ -4,10 +4,17 @@ use super::Builder;
 use super::object::Object;
 use super::objects::ObjectId;
 use super::spectrum::spectrum;
+use crate::image::{Channels, Raster, Samples};
 use crate::scene::load::error::LoadError;
-use crate::scene::load::image::{self, Pixels, srgb_to_linear};
-use crate::scene::{Bitmap, ColorTexture, FloatTexture, Interpolation, Rgb, Texels, Texture, TextureId, Wrap};
+use crate::scene::load::image::{self, Decoded};
+use crate::scene::{
+    Bitmap, ColorTexture, FloatTexture, Interpolation, Reading, Rgb, Stored, Texels, Texture, TextureId, Transfer,
+    Wrap, luminance,
+};
 use glam::{Affine2, Mat2, Vec2};
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What a texture is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,51 +27,22 @@ pub enum Decode {
     Vector,
 }
 
-/// How stored values become linear ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Transfer {
-    /// sRGB for formats made for display, none for the others.
-    Automatic,
-    /// None: the values are linear, or no colours.
-    Linear,
-    /// sRGB whatever the format.
-    Srgb,
-    /// A power.
-    Gamma(f32),
+/// From the parameters `raw` and `gamma` (−1 means sRGB); `None` is sRGB for formats made for display, none for the others.
+pub fn transfer(object: &Object, raw: bool) -> Result<Option<Transfer>, LoadError> {
+    let raw = object.boolean_or("raw", raw)?;
+    Ok(match object.number("gamma")? {
+        None if raw => Some(Transfer::Linear),
+        None => None,
+        Some(-1.0) => Some(Transfer::Srgb),
+        Some(1.0) => Some(Transfer::Linear),
+        Some(gamma) if (0.1..=10.0).contains(&gamma) => Some(Transfer::Gamma(gamma as f32)),
+        Some(gamma) => return Err(object.error(format!("a gamma of {gamma}"))),
+    })
 }
 
-impl Transfer {
-    /// From the parameters `raw` and `gamma` (−1 means sRGB).
-    pub fn new(object: &Object, raw: bool) -> Result<Self, LoadError> {
-        let raw = object.boolean_or("raw", raw)?;
-        Ok(match object.number("gamma")? {
-            None if raw => Self::Linear,
-            None => Self::Automatic,
-            Some(-1.0) => Self::Srgb,
-            Some(1.0) => Self::Linear,
-            Some(gamma) if (0.1..=10.0).contains(&gamma) => Self::Gamma(gamma as f32),
-            Some(gamma) => return Err(object.error(format!("a gamma of {gamma}"))),
-        })
-    }
-
-    fn decode(self, value: f32, display_referred: bool) -> f32 {
-        match self {
-            Self::Automatic if !display_referred => value,
-            Self::Linear => value,
-            Self::Automatic | Self::Srgb => srgb_to_linear(value),
-            Self::Gamma(gamma) => value.max(0.0).powf(gamma),
-        }
-    }
-}
-
-/// Linear colours of an image.
-pub fn rgb_texels(pixels: &Pixels, transfer: Transfer) -> Vec<[f32; 3]> {
-    let decode = |&[r, g, b, _]: &[f32; 4]| [r, g, b].map(|c| transfer.decode(c, pixels.display_referred));
-    pixels.rgba.iter().map(decode).collect()
-}
-
-fn luminance(rgb: Rgb) -> f32 {
-    rgb.dot(Rgb::new(0.212671, 0.715160, 0.072169))
+/// The curve of an image where the scene names none.
+pub fn own_transfer(raster: &Raster) -> Transfer {
+    if raster.is_display_referred() { Transfer::Srgb } else { Transfer::Linear }
 }
 
 impl Builder<'_> {
@@ -117,7 +95,7 @@ impl Builder<'_> {
     ) -> Result<FloatTexture, LoadError> {
         match object.child_named(name) {
             Some(id) => self.float_of(id),
-            None => Ok(object.color(name)?.map_or(default, |c| FloatTexture::Constant(luminance_of_grey(c)))),
+            None => Ok(object.color(name)?.map_or(default, |c| FloatTexture::Constant(luminance(c)))),
         }
     }
 
@@ -155,7 +133,7 @@ impl Builder<'_> {
             ("texture", "checkerboard") => {
                 let color = |name, default| {
                     let color = object.color(name).map(|c| c.unwrap_or(Rgb::splat(default)));
-                    color.map(|c| if decode == Decode::Scalar { Rgb::splat(luminance_of_grey(c)) } else { c })
+                    color.map(|c| if decode == Decode::Scalar { Rgb::splat(luminance(c)) } else { c })
                 };
                 Texture::Checkerboard {
                     color0: color("color0", 0.4)?,
@@ -173,9 +151,7 @@ impl Builder<'_> {
 
     fn bitmap(&mut self, object: &Object, decode: Decode) -> Result<Bitmap, LoadError> {
         object.ignore(&["cache", "max_anisotropy", "format"]);
-        // Vectors are never colours, whether the file says so or not.
-        let transfer = Transfer::new(object, decode == Decode::Vector)?;
-        let transfer = if decode == Decode::Vector { Transfer::Linear } else { transfer };
+        let transfer = transfer(object, decode == Decode::Vector)?;
         let interpolation = match object.text("filter_type")?.map(str::to_ascii_lowercase).as_deref() {
             Some("nearest") => Interpolation::Nearest,
             // Many samples per pixel filter the texture; the filters of version 0.x only save some of them.
@@ -183,25 +159,24 @@ impl Builder<'_> {
             Some(other) => return Err(object.error(format!("no such texture filter: `{other}`"))),
         };
         let wrap = self.wrap(object)?;
-        let (pixels, there) = self.texture_image(object, decode)?;
-        let transfer = if there { transfer } else { Transfer::Linear };
-        let texels = match (object.text("channel")?.map(str::to_ascii_lowercase), decode) {
+        let (raster, there) = self.texture_image(object, decode)?;
+        let reading = match (object.text("channel")?.map(str::to_ascii_lowercase), decode) {
             (Some(name), _) => {
                 let at = ["r", "g", "b", "a"].iter().position(|c| *c == name);
                 let at = at.ok_or_else(|| object.error(format!("no channel `{name}` (r, g, b or a)")))?;
-                if let Some((x, y)) = pixels.alpha_not_finite().filter(|_| at == 3) {
+                if let Some((x, y)) = raster.alpha_not_finite().filter(|_| at == 3) {
                     return Err(object.error(format!("alpha of pixel ({x}, {y}) is not finite")));
                 }
-                let transfer = if at == 3 { Transfer::Linear } else { transfer };
-                Texels::Gray(pixels.rgba.iter().map(|p| transfer.decode(p[at], pixels.display_referred)).collect())
+                Reading::Channel(at as u8)
             }
-            (None, Decode::Scalar) => {
-                let rgb = rgb_texels(&pixels, transfer);
-                Texels::Gray(rgb.into_iter().map(|c| luminance_of_grey(Rgb::from(c))).collect())
-            }
-            (None, _) => Texels::Rgb(rgb_texels(&pixels, transfer)),
+            (None, Decode::Scalar) => Reading::Luminance,
+            (None, _) => Reading::Color,
         };
-        let (width, height, to_uv) = (pixels.width, pixels.height, to_uv(object)?);
+        // Vectors are never colours, whether the file says so or not.
+        let transfer = if decode == Decode::Vector || !there { Some(Transfer::Linear) } else { transfer };
+        let transfer = transfer.unwrap_or_else(|| own_transfer(&raster));
+        let (width, height, to_uv) = (raster.width, raster.height, to_uv(object)?);
+        let texels = Texels::Stored(Stored::new(raster, reading, transfer));
         Ok(Bitmap { width, height, texels, wrap, interpolation, second_uv: false, to_uv })
     }
 
@@ -222,33 +197,28 @@ impl Builder<'_> {
         Ok([first, if u == v { first } else { along(v)? }])
     }
 
-    /// An image file named by `object`.
-    pub(super) fn read_image(&mut self, object: &Object, name: &str) -> Result<Pixels, LoadError> {
-        let pixels = image::read(&self.objects.path(object, name));
-        let pixels = pixels.map_err(|error| self.objects.asset(object, name, error))?;
-        self.warn_of(object, name, &pixels);
-        Ok(pixels)
-    }
-
     /// What the file of an image left open.
-    fn warn_of(&mut self, object: &Object, name: &str, pixels: &Pixels) {
-        for warning in &pixels.warnings {
+    pub(super) fn warn_of(&mut self, object: &Object, name: &str, warnings: &[String]) {
+        for warning in warnings {
             self.warn(object, format_args!("{name}: {warning}"));
         }
     }
 
-    /// The image of a texture; an even grey where it is missing and may be.
-    fn texture_image(&mut self, object: &Object, decode: Decode) -> Result<(Pixels, bool), LoadError> {
+    /// The image of a texture, and whether it is there: an even grey where it is missing and may be.
+    fn texture_image(&mut self, object: &Object, decode: Decode) -> Result<(Arc<Raster>, bool), LoadError> {
         let name = object.require_text("filename")?;
-        match image::read(&self.objects.path(object, name)) {
-            Ok(pixels) => {
-                self.warn_of(object, name, &pixels);
-                Ok((pixels, true))
+        let path = self.objects.path(object, name);
+        match self.images.get(&path, |path| image::read(path)) {
+            Ok(Decoded { raster, warnings }) => {
+                self.files.push(path);
+                self.warn_of(object, name, &warnings);
+                Ok((raster, true))
             }
             Err(error) if error.missing && self.skip_missing => {
                 self.missing_textures.push(name.into());
                 let z = if decode == Decode::Vector { 1.0 } else { 0.5 };
-                Ok((Pixels { width: 1, height: 1, rgba: vec![[0.5, 0.5, z, 0.5]], ..Pixels::default() }, false))
+                let samples = Samples::F32(vec![0.5, 0.5, z, 0.5]);
+                Ok((Arc::new(Raster { width: 1, height: 1, channels: Channels::Rgba, samples }), false))
             }
             Err(error) if error.missing => {
                 let error = error.advise("--skip-missing draws an even grey instead");
@@ -257,11 +227,22 @@ impl Builder<'_> {
             Err(error) => Err(self.objects.asset(object, name, error)),
         }
     }
-}
 
-/// Luminance that leaves greys exactly as they are.
-fn luminance_of_grey(rgb: Rgb) -> f32 {
-    if rgb.x == rgb.y && rgb.y == rgb.z { rgb.x } else { luminance(rgb) }
+    /// Decodes together the images of all textures that objects hold.
+    pub(super) fn announce_images(&mut self, holders: &[ObjectId]) {
+        let objects = self.objects;
+        let (mut waiting, mut seen) = (holders.iter().rev().copied().collect::<Vec<_>>(), HashSet::new());
+        let mut paths: Vec<PathBuf> = Vec::new();
+        while let Some(id) = waiting.pop() {
+            if seen.insert(id) {
+                let object = &objects[id];
+                let image = object.peek("filename").filter(|_| object.class == "texture" && object.plugin == "bitmap");
+                paths.extend(image.map(|name| objects.path(object, name)));
+                waiting.extend(object.children.iter().rev().map(|child| child.object));
+            }
+        }
+        self.images.announce(paths, |path| image::read(path));
+    }
 }
 
 /// Version 3 gives a transform, version 0.x scales and offsets: uv · scale + offset.

@@ -1,11 +1,11 @@
 //! Numbers and colours as scene text writes them.
 
 use super::xml::Element;
+use crate::image::from_srgb;
 use crate::scene::Rgb;
 use crate::scene::load::color::{self, Weighting};
 use crate::scene::load::error::{FileError, LoadError, read_file};
 use crate::scene::load::files::Folders;
-use crate::scene::load::image::srgb_to_linear;
 use crate::scene::load::text;
 use std::path::Path;
 
@@ -51,7 +51,7 @@ pub fn color(element: &Element, context: ColorContext, folders: &Folders) -> Res
     let error = |what: String| element.error(what);
     match element.tag.as_str() {
         "rgb" => triple(element.require("value")?).map_err(error),
-        "srgb" => triple(element.require("value")?).map_err(error).map(|c| Rgb::from(c.to_array().map(srgb_to_linear))),
+        "srgb" => triple(element.require("value")?).map_err(error).map(|c| Rgb::from(c.to_array().map(from_srgb))),
         "blackbody" => {
             let temperature = element.require("temperature")?.trim_end_matches(['k', 'K']);
             let temperature = real(temperature).map_err(error)?;

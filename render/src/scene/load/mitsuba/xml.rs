@@ -67,6 +67,8 @@ pub struct Document {
     pub version: Version,
     /// Where files are looked up.
     pub folders: Folders,
+    /// The scene file and those that it includes.
+    pub files: Vec<PathBuf>,
     /// What the reader should know: one line each.
     pub warnings: Vec<String>,
     /// Parameters given by the caller that the scene does not mention.
@@ -81,6 +83,7 @@ pub fn read(path: &Path, defines: &[(String, String)]) -> Result<Document, LoadE
         values: values.collect(),
         folders: Folders(vec![folder]),
         stack: Vec::new(),
+        files: Vec::new(),
         includes: 0,
         bytes: 0,
         substituted: 0,
@@ -93,8 +96,8 @@ pub fn read(path: &Path, defines: &[(String, String)]) -> Result<Document, LoadE
     }
     let unused = defines.iter().map(|(name, _)| name).filter(|name| !reader.values[*name].used);
     let unused_defines = unused.cloned().collect();
-    let Reader { version, folders, warnings, .. } = reader;
-    Ok(Document { root, version, folders, warnings, unused_defines })
+    let Reader { version, folders, files, warnings, .. } = reader;
+    Ok(Document { root, version, folders, files, warnings, unused_defines })
 }
 
 struct Parameter {
@@ -105,6 +108,7 @@ struct Parameter {
 struct Reader {
     values: BTreeMap<String, Parameter>,
     folders: Folders,
+    files: Vec<PathBuf>,
     /// Files being read, canonical: the outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
@@ -120,6 +124,7 @@ struct Reader {
 impl Reader {
     fn file(&mut self, path: &Path) -> Result<Element, LoadError> {
         let text = text::decode(&read_file(path, MAX_FILE)?, path)?;
+        self.files.push(path.into());
         self.bytes += text.len();
         if self.bytes as u64 > MAX_FILE {
             let what = format!("with it the scene is longer than the {MAX_FILE} bytes accepted");

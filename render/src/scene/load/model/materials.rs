@@ -3,14 +3,14 @@
 use super::mtl::{self, Entry};
 use crate::scene::load::error::{FileError, read_file};
 use crate::scene::load::files::Folders;
-use crate::scene::load::image;
+use crate::scene::load::image::{self, Decoded, Images};
 use crate::scene::{
-    AreaEmitter, Bitmap, ColorTexture, FloatTexture, Interpolation, Material, MaterialId, Rgb, Scene, Texels, Texture,
-    TextureId, Wrap,
+    AreaEmitter, Bitmap, ColorTexture, FloatTexture, Interpolation, Material, MaterialId, Reading, Rgb, Scene, Stored,
+    Texels, Texture, TextureId, Transfer, Wrap,
 };
 use glam::Affine2;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Larger files are refused.
 const MAX_FILE: u64 = 1 << 28;
@@ -23,7 +23,10 @@ pub struct Library<'a> {
     path: &'a Path,
     entries: HashMap<String, Entry>,
     made: HashMap<String, Made>,
-    images: HashMap<String, TextureId>,
+    textures: HashMap<String, TextureId>,
+    images: Images<PathBuf>,
+    /// Files that were read.
+    pub files: Vec<PathBuf>,
     skip_missing: bool,
 }
 
@@ -35,13 +38,15 @@ impl<'a> Library<'a> {
         skip_missing: bool,
         warnings: &mut Vec<String>,
     ) -> Result<Self, FileError> {
+        let (entries, made, textures) = (HashMap::new(), HashMap::new(), HashMap::new());
         let mut library =
-            Self { path, entries: HashMap::new(), made: HashMap::new(), images: HashMap::new(), skip_missing };
+            Self { path, entries, made, textures, images: Images::new(skip_missing), files: Vec::new(), skip_missing };
         for name in files {
             let (found, folders) = (library.folders().resolve(path, name), library.folders());
             match read_file(&found, MAX_FILE) {
                 Ok(bytes) => {
                     let (entries, ignored) = mtl::parse(&bytes, &found)?;
+                    library.files.push(found.clone());
                     library.entries.extend(entries.into_iter().map(|e| (e.name.clone(), e)));
                     if !ignored.is_empty() {
                         let list = ignored.into_iter().collect::<Vec<_>>().join(", ");
@@ -59,6 +64,13 @@ impl<'a> Library<'a> {
 
     fn folders(&self) -> Folders {
         Folders(vec![self.path.parent().unwrap_or(Path::new("")).into()])
+    }
+
+    /// Decodes together the images of the materials that will be asked for.
+    pub fn announce<'n>(&mut self, names: impl Iterator<Item = &'n str>) {
+        let maps = names.filter_map(|name| self.entries.get(name)?.diffuse_map.as_ref());
+        let paths: Vec<PathBuf> = maps.map(|file| self.folders().resolve(self.path, file)).collect();
+        self.images.announce(paths, |path| image::read(path));
     }
 
     /// The material of a name, made once; grey where there is none.
@@ -111,16 +123,20 @@ impl<'a> Library<'a> {
     }
 
     fn texture(&mut self, name: &str, scene: &mut Scene) -> Result<TextureId, FileError> {
-        if let Some(&done) = self.images.get(name) {
+        if let Some(&done) = self.textures.get(name) {
             return Ok(done);
         }
         let folders = self.folders();
-        let (width, height, texels) = match image::read(&folders.resolve(self.path, name)) {
-            Ok(pixels) => {
-                let image = crate::image::Image::from(pixels);
-                (image.width, image.height, image.pixels)
+        let path = folders.resolve(self.path, name);
+        let read = self.images.get(&path, |path| image::read(path));
+        let (width, height, texels) = match read {
+            Ok(Decoded { raster, .. }) => {
+                self.files.push(path);
+                let transfer = if raster.is_display_referred() { Transfer::Srgb } else { Transfer::Linear };
+                let (width, height) = (raster.width, raster.height);
+                (width, height, Texels::Stored(Stored::new(raster, Reading::Color, transfer)))
             }
-            Err(e) if e.missing && self.skip_missing => (1, 1, vec![[0.5; 3]]),
+            Err(e) if e.missing && self.skip_missing => (1, 1, Texels::Rgb(vec![[0.5; 3]])),
             Err(e) if e.missing => {
                 let e = folders.advise(self.path, name, e);
                 return Err(e.advise("--skip-missing draws an even grey instead"));
@@ -128,12 +144,11 @@ impl<'a> Library<'a> {
             Err(e) => return Err(e),
         };
         let (wrap, interpolation, second_uv) = ([Wrap::Repeat; 2], Interpolation::Bilinear, false);
-        let texels = Texels::Rgb(texels);
         let to_uv = Affine2::IDENTITY;
         let bitmap = Bitmap { width, height, texels, wrap, interpolation, second_uv, to_uv };
         scene.textures.push(Texture::Bitmap(bitmap));
         let id = TextureId(scene.textures.len() as u32 - 1);
-        self.images.insert(name.into(), id);
+        self.textures.insert(name.into(), id);
         Ok(id)
     }
 }

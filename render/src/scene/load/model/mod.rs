@@ -41,6 +41,7 @@ pub fn load(path: &Path, extension: &str, options: &Options) -> Result<Loaded, L
     let warn = |what: &str| format!("{}: {what}", path.display());
     let mut warnings: Vec<String> = parsed.warnings.iter().map(|w| warn(w)).collect();
     let mut library = Library::new(path, &used.files, options.skip_missing, &mut warnings)?;
+    library.announce(used.begins.iter().map(|(_, name)| name.as_str()));
     let (mut scene, mut dropped) = (Scene::default(), 0);
     let mut mesh = parsed.mesh;
     if mesh.normals.is_empty() && !used.begins.is_empty() {
@@ -67,7 +68,7 @@ pub fn load(path: &Path, extension: &str, options: &Options) -> Result<Loaded, L
     }
     let camera = frame_everything(&scene, up);
     scene.camera = camera.ok_or_else(|| FileError::new(path, "nothing to draw: it has no extent"))?;
-    Ok(Loaded { scene, warnings, cameras: Vec::new(), camera: None })
+    Ok(Loaded { scene, warnings, cameras: Vec::new(), camera: None, files: library.files })
 }
 
 /// The mesh in parts of one material each, in the order in which they are first used; `begins` says from which triangle

@@ -1,9 +1,15 @@
 //! Values that vary over a surface.
 
+mod bitmap;
+mod stored;
+
 use super::Rgb;
+pub use bitmap::{Bitmap, Interpolation, Texels, Wrap};
 use core::ops::{Add, Mul};
 use glam::{Affine2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
+pub(super) use stored::luminance;
+pub use stored::{Reading, Stored, Transfer};
 
 /// Index into [`super::Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -80,134 +86,6 @@ pub enum Texture {
         /// Surface coordinates to texture coordinates.
         to_uv: Affine2,
     },
-}
-
-/// Decoded linear texels, row by row from the top of the image.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Texels {
-    /// Three channels.
-    Rgb(Vec<[f32; 3]>),
-    /// One channel, shown in all three.
-    Gray(Vec<f32>),
-}
-
-/// What lies outside [0, 1)².
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Wrap {
-    /// The image again.
-    #[default]
-    Repeat,
-    /// The image mirrored at every border.
-    Mirror,
-    /// The border texel.
-    Clamp,
-}
-
-/// How texels become a function.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Interpolation {
-    /// The texel that contains the point.
-    Nearest,
-    /// Linear between the four nearest texel centres.
-    #[default]
-    Bilinear,
-}
-
-/// An image as a texture. (u, v) = (0, 0) is the outer corner of the first texel of the first (top) row and v grows
-/// downwards: a loader whose format counts v from the bottom flips it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bitmap {
-    /// Texels per row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// `width · height` finite values.
-    pub texels: Texels,
-    /// What lies outside along u and along v.
-    pub wrap: [Wrap; 2],
-    /// How texels become a function.
-    pub interpolation: Interpolation,
-    /// Whether the second set of texture coordinates is meant.
-    pub second_uv: bool,
-    /// Surface coordinates to texture coordinates.
-    pub to_uv: Affine2,
-}
-
-impl Texels {
-    /// Number of texels.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Rgb(t) => t.len(),
-            Self::Gray(t) => t.len(),
-        }
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Memory that the texels take.
-    pub fn bytes(&self) -> usize {
-        match self {
-            Self::Rgb(t) => size_of_val(&t[..]),
-            Self::Gray(t) => size_of_val(&t[..]),
-        }
-    }
-
-    /// Texel `i`.
-    #[inline]
-    pub fn get(&self, i: usize) -> Rgb {
-        match self {
-            Self::Rgb(t) => Rgb::from_array(t[i]),
-            Self::Gray(t) => Rgb::splat(t[i]),
-        }
-    }
-}
-
-impl Wrap {
-    /// Texel index `i` of an axis of `n` texels, brought inside.
-    #[inline]
-    fn index(self, i: i32, n: i32) -> usize {
-        (match self {
-            Self::Repeat => i.rem_euclid(n),
-            Self::Clamp => i.clamp(0, n - 1),
-            Self::Mirror => {
-                let j = i.rem_euclid(2 * n);
-                if j < n { j } else { 2 * n - 1 - j }
-            }
-        }) as usize
-    }
-}
-
-impl Bitmap {
-    /// Value at surface coordinates `uv`.
-    pub fn eval(&self, uv: Vec2) -> Rgb {
-        let (w, h) = (self.width as i32, self.height as i32);
-        let [wrap_u, wrap_v] = self.wrap;
-        let texel = |x: i32, y: i32| self.texels.get(wrap_v.index(y, h) * w as usize + wrap_u.index(x, w));
-        // Far outside, f32 has no fraction left to look up: the limit keeps the integer arithmetic exact.
-        let p = (self.to_uv.transform_point2(uv) * Vec2::new(w as f32, h as f32))
-            .clamp(Vec2::splat(-1e9), Vec2::splat(1e9));
-        match self.interpolation {
-            Interpolation::Nearest => texel(p.x.floor() as i32, p.y.floor() as i32),
-            Interpolation::Bilinear => {
-                let p = p - 0.5;
-                let (x, y) = (p.x.floor() as i32, p.y.floor() as i32);
-                let f = p - p.floor();
-                let top = texel(x, y).lerp(texel(x + 1, y), f.x);
-                let bottom = texel(x, y + 1).lerp(texel(x + 1, y + 1), f.x);
-                top.lerp(bottom, f.y)
-            }
-        }
-    }
-
-    /// Mean of all texels.
-    pub fn mean(&self) -> Rgb {
-        let n = self.texels.len();
-        let sum = (0..n).fold(glam::DVec3::ZERO, |s, i| s + self.texels.get(i).as_dvec3());
-        (sum / n.max(1) as f64).as_vec3a()
-    }
 }
 
 impl Texture {

@@ -1,6 +1,7 @@
 //! PNG, JPEG and WebP. Profiles and gammas in the file are ignored: the values count as sRGB.
 
-use super::{MAX_PIXELS, Pixels, check_plausible, check_size};
+use super::{MAX_PIXELS, Pixels, check_plausible, check_size, require_room};
+use crate::image::{Channels, Raster, Samples};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
@@ -28,7 +29,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     // An even WebP of any size has a few bytes: it may be as large as a small file of the others.
     let available = if name == "WebP" { bytes.len().max(SMALL) } else { bytes.len() };
     check_plausible(check_size(width.into(), height.into())?, available, PIXELS_PER_BYTE)?;
-    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    let rgba = image.into_rgba32f().into_vec().as_chunks().0.to_vec();
-    Ok(Pixels { width, height, rgba, display_referred: true, ..Pixels::default() })
+    require_room(width as usize * height as usize, decoder.total_bytes())?;
+    let (channels, samples) = match DynamicImage::from_decoder(decoder).map_err(damaged)? {
+        DynamicImage::ImageLuma8(image) => (Channels::Gray, Samples::U8(image.into_raw())),
+        DynamicImage::ImageLumaA8(image) => (Channels::GrayAlpha, Samples::U8(image.into_raw())),
+        DynamicImage::ImageRgb8(image) => (Channels::Rgb, Samples::U8(image.into_raw())),
+        DynamicImage::ImageRgba8(image) => (Channels::Rgba, Samples::U8(image.into_raw())),
+        DynamicImage::ImageLuma16(image) => (Channels::Gray, Samples::U16(image.into_raw())),
+        DynamicImage::ImageLumaA16(image) => (Channels::GrayAlpha, Samples::U16(image.into_raw())),
+        DynamicImage::ImageRgb16(image) => (Channels::Rgb, Samples::U16(image.into_raw())),
+        DynamicImage::ImageRgba16(image) => (Channels::Rgba, Samples::U16(image.into_raw())),
+        other => return Err(format!("a {name} of {:?} pixels is not read", other.color())),
+    };
+    Ok(Pixels { raster: Raster { width, height, channels, samples }, ..Pixels::default() })
 }
