@@ -1,8 +1,8 @@
 //! Metals, smooth and rough, and glTF's mixture of metal and plastic.
 
-use super::{Facets, Scatter, Split, Value, fresnel, mirror};
+use super::{FacetAlbedo, Facets, Scatter, Split, Value, fresnel, mirror};
 use crate::frame::cosine_hemisphere;
-use crate::scene::Rgb;
+use crate::scene::{Distribution, Rgb};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3A};
 
@@ -58,23 +58,25 @@ pub(crate) struct Schlick {
     /// At normal incidence.
     pub f0: Rgb,
     /// At grazing incidence.
-    pub f90: f32,
+    pub f90: Rgb,
 }
 
 impl Schlick {
+    const NONE: Self = Self { f0: Rgb::ZERO, f90: Rgb::ZERO };
+
     #[inline]
     fn at(&self, cos: f32) -> Rgb {
-        self.f0 + (Rgb::splat(self.f90) - self.f0) * (1.0 - cos).max(0.0).powi(5)
+        self.f0 + (self.f90 - self.f0) * (1.0 - cos).max(0.0).powi(5)
     }
 }
 
-/// The material of glTF 2.0, appendix B: GGX with Schlick's F over a Lambertian base that metal lacks. The base gets
-/// what the largest channel of the dielectric's F leaves (KHR_materials_specular).
+/// The material of glTF 2.0: GGX facets with Schlick's F over a Lambertian base that metal lacks. The base gets what the
+/// largest channel of the dielectric's F leaves (KHR_materials_specular), or of all that the dielectric's facets reflect.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughness {
     pub base_color: Rgb,
     pub facets: Facets,
-    /// Reflectance of the dielectric.
+    /// Reflectance of the dielectric, which the base lacks at the half vector.
     pub dielectric: Schlick,
     /// Reflectance of the mixture of dielectric and metal.
     pub mixture: Schlick,
@@ -85,14 +87,37 @@ pub(crate) struct MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    pub fn new(base_color: Rgb, metallic: f32, facets: Facets, dielectric: Schlick, cos: f32) -> Self {
+    /// By the formula of appendix B.
+    pub fn new(base_color: Rgb, metallic: f32, roughness: f32, dielectric: Schlick, cos: f32) -> Self {
+        let facets = Facets::new(Distribution::Ggx, Vec2::splat(roughness * roughness));
         let metallic = metallic.clamp(0.0, 1.0);
-        let f90 = dielectric.f90 + (1.0 - dielectric.f90) * metallic;
-        let mixture = Schlick { f0: dielectric.f0.lerp(base_color, metallic), f90 };
+        let mixture = Schlick {
+            f0: dielectric.f0.lerp(base_color, metallic),
+            f90: dielectric.f90.lerp(Rgb::ONE, metallic),
+        };
         let diffuse = base_color * (1.0 - metallic);
         let reflected = super::mean(mixture.at(cos.abs()));
         let p_diffuse = super::share(super::mean(diffuse) * (1.0 - reflected), reflected).clamp(0.0, 0.95);
         Self { base_color, facets, dielectric, mixture, diffuse, p_diffuse }
+    }
+
+    /// In layers, each of which gets what the one above leaves at the view, and that lose nothing between their facets.
+    pub fn layered(base_color: Rgb, metallic: f32, roughness: f32, dielectric: Schlick, cos: f32) -> Self {
+        let facets = Facets::new(Distribution::Ggx, Vec2::splat(roughness * roughness));
+        let metallic = metallic.clamp(0.0, 1.0);
+        let albedo = FacetAlbedo::of(roughness, cos.abs());
+        let Schlick { f0, f90 } = dielectric;
+        let of_dielectric = albedo.all_bounces(f0, f90);
+        let of_metal = albedo.all_bounces(base_color, Rgb::ONE);
+        let mixture = Schlick {
+            f0: (f0 * of_dielectric).lerp(base_color * of_metal, metallic),
+            f90: (f90 * of_dielectric).lerp(of_metal, metallic),
+        };
+        let covered = albedo.reflected(f0, f90);
+        let diffuse = base_color * ((1.0 - metallic) * (1.0 - covered.max_element()).max(0.0));
+        let reflected = covered.lerp(albedo.reflected(base_color, Rgb::ONE), metallic);
+        let p_diffuse = super::share(super::mean(diffuse), super::mean(reflected)).clamp(0.0, 0.95);
+        Self { base_color, facets, dielectric: Schlick::NONE, mixture, diffuse, p_diffuse }
     }
 
     #[inline]

@@ -9,7 +9,7 @@ mod sphere;
 use crate::bsdf::{CoatTable, GlassTable};
 use crate::light::{FirstEmitter, Lights};
 use crate::ray::{Hit, Ray};
-use crate::scene::{FloatTexture, Material, MaterialId, Scene, SceneError};
+use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
@@ -104,6 +104,15 @@ impl World {
     #[inline]
     pub(crate) fn glass(&self, id: MaterialId) -> Option<&GlassTable> {
         self.glasses[id.0 as usize].as_deref()
+    }
+
+    /// Absorption coefficient behind a material that is a boundary of glass.
+    #[inline]
+    pub(crate) fn boundary(&self, id: MaterialId) -> Option<Rgb> {
+        match *self.material(id) {
+            Material::Glass { sheet: false, absorption, .. } => Some(absorption),
+            _ => None,
+        }
     }
 
     fn context(&self) -> Context<'_> {

@@ -14,6 +14,8 @@ use crate::scene::{ColorTexture, FloatTexture, Material, MaterialId, Rgb, Textur
 /// An opaque material with what glass shares with it.
 pub struct Opaque {
     pub id: MaterialId,
+    /// What of it is metal, alone; `None` where nothing is.
+    pub metal: Option<MaterialId>,
     /// Normal map with its scale.
     pub normal: Option<(TextureId, f32)>,
     pub base_color: ColorTexture,
@@ -51,7 +53,7 @@ impl Builder<'_> {
 
     /// Glass in place of so much of an opaque material; what is metal stays metal.
     pub(super) fn glass(&mut self, source: &gltf::Material, opaque: &Opaque, weight: FloatTexture) -> MaterialId {
-        let &Opaque { normal, base_color, metallic, roughness, solid, .. } = opaque;
+        let &Opaque { normal, base_color, metallic, roughness, solid, metal, .. } = opaque;
         let eta = source.ior().filter(|n| *n > 0.0).map_or(1.5, |n| n.clamp(0.1, MAX_INDEX));
         // An index of 0 stands for an infinite one.
         let eta = if source.ior() == Some(0.0) { MAX_INDEX } else { eta };
@@ -60,9 +62,9 @@ impl Builder<'_> {
         let glass = Material::Glass { base_color, crossings, roughness, eta, sheet: !solid, absorption };
         let glass = self.push(glass, source);
         let glass = self.bent(glass, normal, source);
-        let second = match metallic {
-            FloatTexture::Constant(m) if m <= 0.0 => glass,
-            _ => self.push(Material::Blend { weight: metallic, first: glass, second: opaque.id }, source),
+        let second = match metal {
+            None => glass,
+            Some(metal) => self.push(Material::Blend { weight: metallic, first: glass, second: metal }, source),
         };
         self.push(Material::Blend { weight, first: opaque.id, second }, source)
     }
