@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Writes the glTF files of gltf-blender, and those of gltf-glass that hold something: python3 make_gltf_layers.py
 
-The square of make_gltf.py fills the view of a camera of one by one units; where it says so, before a wall that shines."""
+The square of make_gltf.py fills the view of a camera of one by one units; where it says so, before a wall that shines.
+"""
+
 import make_gltf
 
 CUBE = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
@@ -35,8 +37,13 @@ class Layers(make_gltf.File):
 
 
 def surface(rgb=(0, 0, 0), alpha=1, metallic=0, roughness=1, **fields):
-    return {"pbrMetallicRoughness": {"baseColorFactor": [*rgb, alpha], "metallicFactor": metallic,
-                                     "roughnessFactor": roughness}} | fields
+    return {
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*rgb, alpha],
+            "metallicFactor": metallic,
+            "roughnessFactor": roughness,
+        }
+    } | fields
 
 
 NO_SPECULAR = {"KHR_materials_specular": {"specularFactor": 0}}
@@ -93,13 +100,14 @@ def glasses():
     file = Layers(glass(metallic=0.5, rgb=(0, 0, 0)), blender=False)
     file.node(mesh=0)
     file.write("valid/gltf-glass/metal_half.gltf")
-    # In the middle of a cube of two units, of index 1, of which a quarter, half and all of the light is left after one unit:
-    # a square that shines, and a mirror, before which a wall shines behind the camera.
+    # In the middle of a cube of two units, of index 1, that leaves a quarter, half and all of the light after one unit: a
+    # square that shines, and a mirror, before which a wall shines behind the camera.
     absorbing = {"thicknessFactor": 1, "attenuationColor": [0.25, 0.5, 1], "attenuationDistance": 1}
-    file = Layers(glass(1.0, volume=absorbing), lamp(), blender=False)
-    file.node_of(file.cube(0))
-    file.node_of(file.mesh(1))
-    file.write("valid/gltf-glass/holds_a_lamp.gltf")
+    for blender in (False, True):
+        file = Layers(glass(1.0, volume=absorbing), lamp(), blender=blender)
+        file.node_of(file.cube(0))
+        file.node_of(file.mesh(1))
+        file.write(f"valid/gltf-glass/holds_a_lamp{'_blender' if blender else ''}.gltf")
     file = Layers(glass(1.0, volume=absorbing), surface((1, 1, 1), metallic=1, roughness=0), lamp(), blender=False)
     file.node_of(file.cube(0))
     file.node_of(file.mesh(1, [(0.9 * x, 0.9 * y, 0) for x, y, _ in make_gltf.CORNERS]))

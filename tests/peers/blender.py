@@ -1,9 +1,9 @@
 """Exports of Blender, drawn by `render` and by Cycles: every scene of tests/peers/blender_scenes is built by script,
 exported to glTF, drawn by Cycles as it is in Blender, and by `render` as it is in the file.
 
-Right is: the mean of every channel within 3.5 %, and the root mean square over blocks of 8 × 8 pixels within 6.5 % of the
-mean. What differs by nature is listed with its scene, with the reason; so is what the file must be refused with. Fails
-where a scene differs that is not listed, and where a listed one does not.
+Right is: the mean of every channel within 3.5 %, and the root mean square over blocks of 8 × 8 pixels within 6.5 % of
+the mean. What differs by nature is listed with its scene, with the reason; so is what the file must be refused with.
+Fails where a scene differs that is not listed, and where a listed one does not.
 
   pip install bpy==4.5.* numpy OpenEXR        (in the Python that bpy was built for)
   python tests/peers/blender.py target/release/render [--keep FOLDER] [--samples SHARE] [NAME …]
@@ -105,7 +105,8 @@ def judge(scene, render, folder):
     rms = np.sqrt(((mine - right) ** 2).mean()) / max(wanted.mean(), DARK)
     good = bool((np.abs(off) <= MEAN).all() and rms <= BLOCKS)
     numbers = lambda v: " ".join(f"{x:.4f}" for x in v)
-    line = f"ours {numbers(mean)}, Cycles {numbers(wanted)}, mean {100 * off[np.abs(off).argmax()]:+.1f} %, blocks {100 * rms:.1f} %"
+    worst = 100 * off[np.abs(off).argmax()]
+    line = f"ours {numbers(mean)}, Cycles {numbers(wanted)}, mean {worst:+.1f} %, blocks {100 * rms:.1f} %"
     return "" if good else "differs", line
 
 
@@ -128,7 +129,9 @@ def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("render")
     arguments.add_argument("names", nargs="*")
-    arguments.add_argument("--keep", help="folder for files and pictures; Cycles' pictures that are there are not drawn again")
+    arguments.add_argument(
+        "--keep", help="folder for files and pictures; Cycles' pictures that are there are not drawn again"
+    )
     arguments.add_argument("--samples", type=float, default=1.0, help="share of the samples of both, for a quick look")
     given = arguments.parse_intermixed_args()
     render = os.path.abspath(given.render)

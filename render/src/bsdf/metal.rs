@@ -1,6 +1,7 @@
 //! Metals, smooth and rough, and glTF's mixture of metal and plastic.
 
-use super::{FacetAlbedo, Facets, Scatter, Split, Value, fresnel, mirror};
+use super::layers::{FacetTable, Rise, dielectric_rise, schlick_rise};
+use super::{Facets, Scatter, Split, Value, fresnel, mirror};
 use crate::frame::cosine_hemisphere;
 use crate::scene::{Distribution, Rgb};
 use core::f32::consts::FRAC_1_PI;
@@ -66,65 +67,89 @@ impl Schlick {
 
     #[inline]
     fn at(&self, cos: f32) -> Rgb {
-        self.f0 + (self.f90 - self.f0) * (1.0 - cos).max(0.0).powi(5)
+        self.risen(schlick_rise(cos))
+    }
+
+    #[inline]
+    fn risen(&self, share: f32) -> Rgb {
+        self.f0 + (self.f90 - self.f0) * share
     }
 }
 
-/// The material of glTF 2.0: GGX facets with Schlick's F over a Lambertian base that metal lacks. The base gets what the
-/// largest channel of the dielectric's F leaves (KHR_materials_specular), or of all that the dielectric's facets reflect.
+/// The material of glTF 2.0: GGX facets over a Lambertian base that metal lacks. The base gets what the largest channel of
+/// the dielectric's F leaves (KHR_materials_specular), or of all that the dielectric's facets reflect.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughness {
     pub base_color: Rgb,
     pub facets: Facets,
-    /// Reflectance of the dielectric, which the base lacks at the half vector.
-    pub dielectric: Schlick,
-    /// Reflectance of the mixture of dielectric and metal.
-    pub mixture: Schlick,
+    /// Reflectance by Schlick's formula that the base lacks at the half vector.
+    covering: Schlick,
+    /// Reflectance of the facets by Schlick's formula.
+    mixture: Schlick,
+    /// What their reflectance has besides, that rises as that of a dielectric of the index beside it does.
+    dielectric: Option<(Schlick, f32)>,
     /// Albedo of the base.
     pub diffuse: Rgb,
     /// Probability of sampling the base.
-    pub p_diffuse: f32,
+    p_diffuse: f32,
 }
 
 impl MetallicRoughness {
-    /// By the formula of appendix B.
+    /// By the formula of appendix B, of a perceptual roughness and the reflectance of the dielectric, seen under a cosine.
     pub fn new(base_color: Rgb, metallic: f32, roughness: f32, dielectric: Schlick, cos: f32) -> Self {
-        let facets = Facets::new(Distribution::Ggx, Vec2::splat(roughness * roughness));
         let metallic = metallic.clamp(0.0, 1.0);
-        let mixture = Schlick {
-            f0: dielectric.f0.lerp(base_color, metallic),
-            f90: dielectric.f90.lerp(Rgb::ONE, metallic),
-        };
+        let mixture =
+            Schlick { f0: dielectric.f0.lerp(base_color, metallic), f90: dielectric.f90.lerp(Rgb::ONE, metallic) };
         let diffuse = base_color * (1.0 - metallic);
         let reflected = super::mean(mixture.at(cos.abs()));
-        let p_diffuse = super::share(super::mean(diffuse) * (1.0 - reflected), reflected).clamp(0.0, 0.95);
-        Self { base_color, facets, dielectric, mixture, diffuse, p_diffuse }
+        Self {
+            base_color,
+            facets: Facets::new(Distribution::Ggx, Vec2::splat(roughness * roughness)),
+            covering: dielectric,
+            mixture,
+            dielectric: None,
+            diffuse,
+            p_diffuse: super::share(super::mean(diffuse) * (1.0 - reflected), reflected).clamp(0.0, 0.95),
+        }
     }
 
     /// In layers, each of which gets what the one above leaves at the view, and that lose nothing between their facets.
-    pub fn layered(base_color: Rgb, metallic: f32, roughness: f32, dielectric: Schlick, cos: f32) -> Self {
-        let facets = Facets::new(Distribution::Ggx, Vec2::splat(roughness * roughness));
+    pub fn layered(
+        base_color: Rgb,
+        metallic: f32,
+        roughness: f32,
+        dielectric: Schlick,
+        cos: f32,
+        table: &FacetTable,
+    ) -> Self {
         let metallic = metallic.clamp(0.0, 1.0);
-        let albedo = FacetAlbedo::of(roughness, cos.abs());
+        let albedo = table.albedo(roughness, cos.abs());
         let Schlick { f0, f90 } = dielectric;
-        let of_dielectric = albedo.all_bounces(f0, f90);
-        let of_metal = albedo.all_bounces(base_color, Rgb::ONE);
-        let mixture = Schlick {
-            f0: (f0 * of_dielectric).lerp(base_color * of_metal, metallic),
-            f90: (f90 * of_dielectric).lerp(of_metal, metallic),
-        };
-        let covered = albedo.reflected(f0, f90);
+        let of_dielectric = albedo.all_bounces(f0, f90, Rise::Dielectric) * (1.0 - metallic);
+        let of_metal = albedo.all_bounces(base_color, Rgb::ONE, Rise::Schlick) * metallic;
+        let covered = albedo.reflected(f0, f90, Rise::Dielectric);
         let diffuse = base_color * ((1.0 - metallic) * (1.0 - covered.max_element()).max(0.0));
-        let reflected = covered.lerp(albedo.reflected(base_color, Rgb::ONE), metallic);
-        let p_diffuse = super::share(super::mean(diffuse), super::mean(reflected)).clamp(0.0, 0.95);
-        Self { base_color, facets, dielectric: Schlick::NONE, mixture, diffuse, p_diffuse }
+        let reflected = covered.lerp(albedo.reflected(base_color, Rgb::ONE, Rise::Schlick), metallic);
+        Self {
+            base_color,
+            facets: Facets::new(Distribution::Ggx, Vec2::splat(roughness * roughness)),
+            covering: Schlick::NONE,
+            mixture: Schlick { f0: base_color * of_metal, f90: of_metal },
+            dielectric: Some((Schlick { f0: f0 * of_dielectric, f90: f90 * of_dielectric }, table.eta())),
+            diffuse,
+            p_diffuse: super::share(super::mean(diffuse), super::mean(reflected)).clamp(0.0, 0.95),
+        }
     }
 
     #[inline]
     pub fn value(&self, wo: Vec3A, wi: Vec3A) -> Value {
         let cos = (0.5 * (wo + wi).length()).min(1.0);
-        let glossy = self.mixture.at(cos) * self.facets.reflection(wo, wi);
-        let diffuse = (1.0 - self.dielectric.at(cos).max_element()) * self.diffuse * FRAC_1_PI;
+        let mut reflectance = self.mixture.at(cos);
+        if let Some((dielectric, eta)) = &self.dielectric {
+            reflectance += dielectric.risen(dielectric_rise(cos, *eta));
+        }
+        let glossy = reflectance * self.facets.reflection(wo, wi);
+        let diffuse = (1.0 - self.covering.at(cos).max_element()) * self.diffuse * FRAC_1_PI;
         let pdf = self.p_diffuse * wi.z * FRAC_1_PI + (1.0 - self.p_diffuse) * self.facets.reflection_pdf(wo, wi);
         Value { f: Split { diffuse, glossy }, pdf }
     }

@@ -28,7 +28,7 @@ pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
 pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
-use layers::FacetAlbedo;
+pub(crate) use layers::FacetTable;
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
 pub(crate) use sheet::Sheet;

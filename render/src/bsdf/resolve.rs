@@ -5,7 +5,7 @@ use super::{
     Schlick, Sheet, SmoothCoat, ThinDielectric,
 };
 use crate::frame::Frame;
-use crate::scene::{Bitmap, Coordinates, Layering, Material, MaterialId, Texture, TextureId, WardVariant};
+use crate::scene::{Bitmap, Coordinates, Material, MaterialId, Texture, TextureId, WardVariant};
 use crate::world::{Interaction, World};
 use brdf_tables::brdf::{self, Phong, Ward};
 use glam::{Vec2, Vec3A};
@@ -169,18 +169,17 @@ impl World {
                     table,
                 }),
             },
-            Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layering } => {
+            Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, .. } => {
                 let roughness = roughness.eval(textures, uv).clamp(0.0, 1.0);
                 let color = base_color.eval(textures, uv);
                 let metallic = metallic.eval(textures, uv);
                 let f90 = specular.eval(textures, uv).clamp(0.0, 1.0);
                 let f0 = f0.eval(textures, uv).clamp(Vec3A::ZERO, Vec3A::ONE) * f90;
                 let dielectric = Schlick { f0, f90: Vec3A::splat(f90) };
-                let new = match layering {
-                    Layering::HalfVector => MetallicRoughness::new,
-                    Layering::View => MetallicRoughness::layered,
-                };
-                Model::MetallicRoughness(new(color, metallic, roughness, dielectric, wo.z))
+                Model::MetallicRoughness(match self.facets(id) {
+                    None => MetallicRoughness::new(color, metallic, roughness, dielectric, wo.z),
+                    Some(table) => MetallicRoughness::layered(color, metallic, roughness, dielectric, wo.z, table),
+                })
             }
             Material::TwoSided { .. }
             | Material::Mask { .. }

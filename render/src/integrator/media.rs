@@ -23,11 +23,11 @@ impl Media {
     /// Outside of all.
     pub const NONE: Self = Self { inside: [Rgb::ZERO; Self::MOST], count: 0 };
 
-    /// Share of light left after a way of this length from a surface that ends it.
+    /// Share of light left after a way of this length inside, from a surface that ends it.
     #[inline]
     pub fn left(&self, length: f32) -> Rgb {
-        match self.count.checked_sub(1).map(|top| self.inside.get(top)) {
-            Some(Some(&absorption)) if absorption != Rgb::ZERO => (-absorption * length).exp(),
+        match self.count.checked_sub(1).and_then(|top| self.inside.get(top)) {
+            Some(&absorption) if absorption != Rgb::ZERO => (-absorption * length).exp(),
             _ => Rgb::ONE,
         }
     }
@@ -35,26 +35,39 @@ impl Media {
     /// Share of light that comes to a surface which then scatters it: 1 where its BSDF has the way in it already.
     #[inline]
     pub fn left_before(&self, world: &World, at: &Interaction, bsdf: &Bsdf) -> Rgb {
-        let counted = at.normal.dot(at.wo) < 0.0 && world.boundary(bsdf.material()).is_some();
-        if self.count == 0 || counted { Rgb::ONE } else { self.left(at.distance) }
+        if self.count == 0 || at.normal.dot(at.wo) < 0.0 && world.boundary(bsdf.material()).is_some() {
+            return Rgb::ONE;
+        }
+        self.left(at.distance)
     }
 
-    /// Where a path is that goes on from a surface in a direction.
+    /// The same on a way that goes on from the surface in a direction.
     #[inline]
-    pub fn beyond(&self, world: &World, at: &Interaction, bsdf: &Bsdf, wi: Vec3A) -> Self {
+    pub fn left_beyond(&self, world: &World, at: &Interaction, bsdf: &Bsdf, wi: Vec3A, length: f32) -> Rgb {
+        if bsdf.only_reflects() {
+            return self.left(length);
+        }
         let mut media = *self;
-        if bsdf.only_reflects() || at.normal.dot(at.wo) * at.normal.dot(wi) >= 0.0 {
-            return media;
+        media.pass(world, at, bsdf, wi);
+        media.left(length)
+    }
+
+    /// Goes on from a surface in a direction, perhaps into a glass or out of it.
+    #[inline]
+    pub fn pass(&mut self, world: &World, at: &Interaction, bsdf: &Bsdf, wi: Vec3A) {
+        let enters = at.normal.dot(wi) < 0.0;
+        if bsdf.only_reflects() || enters == (at.normal.dot(at.wo) < 0.0) {
+            return;
         }
-        let Some(absorption) = world.boundary(bsdf.material()) else { return media };
-        if at.normal.dot(wi) < 0.0 {
-            if let Some(free) = media.inside.get_mut(media.count) {
-                *free = absorption;
+        match world.boundary(bsdf.material()) {
+            Some(absorption) if enters => {
+                if let Some(free) = self.inside.get_mut(self.count) {
+                    *free = absorption;
+                }
+                self.count += 1;
             }
-            media.count += 1;
-        } else {
-            media.count = media.count.saturating_sub(1);
+            Some(_) => self.count = self.count.saturating_sub(1),
+            None => {}
         }
-        media
     }
 }

@@ -113,7 +113,7 @@ impl Integrator for PathTracer {
             }
             path.throughput *= weight;
             path.eta *= sample.eta;
-            path.media = path.media.beyond(world, &at, &bsdf, sample.wi);
+            path.media.pass(world, &at, &bsdf, sample.wi);
             path.previous = (!sample.is_delta()).then_some(Previous { receiver, pdf: sample.pdf });
             // Russian roulette on what the path can still carry.
             let mut survival = path.throughput.max_element();
@@ -198,8 +198,8 @@ fn sample_lights(
     if queries.occluded(world, &shadow) {
         return;
     }
-    let media = path.media.beyond(world, at, bsdf, light.wi);
-    let reflected = reflected * media.left((shadow.t_max * shadow.direction.length()).min(f32::MAX));
+    let length = (shadow.t_max * shadow.direction.length()).min(f32::MAX);
+    let reflected = reflected * path.media.left_beyond(world, at, bsdf, light.wi, length);
     if segments == 1 {
         path.out.direct = path.out.direct + reflected;
     } else {

@@ -66,8 +66,8 @@ impl Integrator for SimplePathTracer {
                 };
                 if !queries.occluded(world, &shadow) {
                     let f = bsdf.eval(light.wi).f.sum() * bsdf.abs_cos(light.wi);
-                    let length = shadow.t_max * shadow.direction.length();
-                    let left = media.beyond(world, &at, &bsdf, light.wi).left(length.min(f32::MAX));
+                    let length = (shadow.t_max * shadow.direction.length()).min(f32::MAX);
+                    let left = media.left_beyond(world, &at, &bsdf, light.wi, length);
                     radiance += throughput * f * left * light.radiance / light.pdf;
                 }
             }
@@ -76,7 +76,7 @@ impl Integrator for SimplePathTracer {
             let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
             specular = sample.is_delta();
             throughput *= sample.weight.sum();
-            media = media.beyond(world, &at, &bsdf, sample.wi);
+            media.pass(world, &at, &bsdf, sample.wi);
             ray = at.spawn(sample.wi);
         }
         Radiance { emission: radiance, ..Radiance::default() }

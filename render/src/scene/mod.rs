@@ -15,7 +15,7 @@ mod validate;
 
 pub use camera::{Camera, Crop, Film, Filter, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
-pub use material::{Distribution, Layering, Material, MaterialId, WardVariant};
+pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
 pub use texture::{Bitmap, ColorTexture, Coordinates, FloatTexture, Interpolation, Texels, Texture, TextureId, Wrap};
 pub use validate::SceneError;

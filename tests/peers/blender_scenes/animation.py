@@ -3,7 +3,7 @@
 import bpy
 
 from .geometry import bend, orange, shapes
-from .kit import ball, cube, lamp, scene, stage
+from .kit import README, ball, cube, lamp, scene, stage
 
 MOVES = {"export_animations": True, "export_apply": False}
 
@@ -40,7 +40,12 @@ def object_turns_and_grows():
 @scene(export=MOVES, args=["--frame", "7"], frame=7)
 def object_steps():
     stage()
-    keyed(cube(orange(), size=1), "location", [(1, (-1, 0, 0.5)), (6, (1, 0, 0.5)), (12, (0, 1, 1))], interpolation="CONSTANT")
+    keyed(
+        cube(orange(), size=1),
+        "location",
+        [(1, (-1, 0, 0.5)), (6, (1, 0, 0.5)), (12, (0, 1, 1))],
+        interpolation="CONSTANT",
+    )
 
 
 @scene(export=MOVES, args=["--frame", "9"], frame=9)
@@ -116,12 +121,34 @@ def first_frame_without_asking():
     keyed(cube(orange(), size=1), "location", [(1, (-1.5, 0, 0.5)), (24, (1.5, 0.5, 1.2))])
 
 
-@scene(export=MOVES, args=["--frame", "12"], frame=12)
-def constraint_moves():
-    """A constraint is baked by sampling."""
+def constrained():
     stage()
     goal = cube(orange(), size=0.8)
     keyed(goal, "location", [(1, (-1.5, 0, 0.4)), (24, (1.5, 0, 0.4))])
     follower = ball(at=(0, 0, 0.6), radius=0.4)
     constraint = follower.constraints.new("COPY_LOCATION")
     constraint.target, constraint.use_offset = goal, True
+
+
+@scene(export=MOVES | {"export_bake_animation": True}, args=["--frame", "12"], frame=12)
+def constraint_baked():
+    constrained()
+
+
+@scene(
+    export=MOVES,
+    args=["--frame", "12"],
+    frame=12,
+    differs="without Bake All Objects Animations what only constraints move stands still",
+)
+def constraint_not_baked():
+    constrained()
+
+
+@scene(export=README | {"export_apply": False}, args=["--frame", "12"], frame=12)
+def as_the_readme_says_at_a_frame():
+    bone = bend().pose.bones["high"]
+    bone.rotation_mode = "XYZ"
+    keyed(bone, "rotation_euler", [(1, (0, 0, 0)), (24, (0, 0, 1.4))])
+    keyed(bpy.context.scene.camera, "location", [(1, (0, -6, 3)), (24, (1, -5.5, 3.5))])
+    keyed(lamp("POINT", 200, at=(2, -2, 3)), "location", [(1, (2, -2, 3)), (24, (-2, -2, 2))])

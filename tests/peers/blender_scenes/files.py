@@ -2,7 +2,8 @@
 
 import bpy
 
-from .kit import ball, checks, cube, glow, material, ramp, scene, stage, textured
+from .geometry import bend, orange
+from .kit import README, ball, checks, cube, lamp, last, material, ramp, scene, stage, textured, world
 
 
 def shown():
@@ -13,6 +14,17 @@ def shown():
     other = material("metal", Metallic=1.0, Roughness=0.3)
     textured(other, ramp())
     ball(other, at=(1.4, -0.6, 0.4), radius=0.4)
+
+
+@scene(export=README, args=["--camera", "Camera", "--env", "0.05,0.05,0.05"])
+def as_the_readme_says():
+    rig = bend()
+    rig.pose.bones["high"].rotation_mode = "XYZ"
+    rig.pose.bones["high"].rotation_euler = (0, 0, 0.9)
+    cube(orange(), size=0.5, at=(1.3, -0.5, 0.4)).modifiers.new("s", "SUBSURF").levels = 2
+    bpy.context.object.modifiers["s"].render_levels = 2
+    lamp("SPOT", 400, at=(-2, -2, 3), turn=(40, -30, 0), spot_size=1.0, size=0.05)
+    world((0.05, 0.05, 0.05))
 
 
 @scene(ending=".gltf")
@@ -50,7 +62,7 @@ def z_up():
     shown()
 
 
-@scene(export={"export_materials": "NONE"}, differs="exported without materials, which are then white")
+@scene(export={"export_materials": "NONE"}, differs="exported without materials, the lamp's too")
 def materials_none():
     shown()
 
@@ -64,8 +76,6 @@ def tangents():
 def normals_none():
     stage()
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=1, radius=1)
-    from .kit import last
-
     last(material(Base_Color=(0.8, 0.35, 0.1), Metallic=1.0, Roughness=0.2), (0, 0, 1), smooth=True)
 
 

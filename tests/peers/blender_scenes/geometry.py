@@ -43,7 +43,9 @@ def shaded_smooth_by_angle():
     bpy.ops.mesh.primitive_cylinder_add(vertices=24, radius=0.8, depth=1.6)
     of = last(orange(), (0, 0, 1), turn=(30, 20, 0), smooth=True)
     for edge in of.data.edges:
-        edge.use_edge_sharp = abs(of.data.vertices[edge.vertices[0]].co.z - of.data.vertices[edge.vertices[1]].co.z) < 0.1
+        edge.use_edge_sharp = (
+            abs(of.data.vertices[edge.vertices[0]].co.z - of.data.vertices[edge.vertices[1]].co.z) < 0.1
+        )
 
 
 @scene()
@@ -104,7 +106,11 @@ def geometry_nodes_instances():
     group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     new, join = group.nodes.new, group.links.new
     source, out, on = new("NodeGroupInput"), new("NodeGroupOutput"), new("GeometryNodeInstanceOnPoints")
-    form, made, real = new("GeometryNodeMeshUVSphere"), new("GeometryNodeSetMaterial"), new("GeometryNodeRealizeInstances")
+    form, made, real = (
+        new("GeometryNodeMeshUVSphere"),
+        new("GeometryNodeSetMaterial"),
+        new("GeometryNodeRealizeInstances"),
+    )
     form.inputs["Radius"].default_value = 0.35
     made.inputs["Material"].default_value = orange()
     join(source.outputs[0], on.inputs["Points"])
@@ -127,7 +133,9 @@ def collection():
 
 def instances(made):
     for i in range(3):
-        empty = place(None, at=(i - 1.2, 0.5 * i - 0.5, 0.1 * i), turn=(0, 0, 50 * i), scale=(1, 1, 1 + 0.4 * i), name=f"e{i}")
+        empty = place(
+            None, at=(i - 1.2, 0.5 * i - 0.5, 0.1 * i), turn=(0, 0, 50 * i), scale=(1, 1, 1 + 0.4 * i), name=f"e{i}"
+        )
         empty.instance_type, empty.instance_collection = "COLLECTION", made
 
 
@@ -156,7 +164,12 @@ def linked_copies_on_the_gpu():
     stage()
     of = cube(blue(), at=(-1.2, 0, 0.5), size=0.8)
     for i in range(4):
-        place(bpy.data.objects.new(f"b{i}", of.data), at=(0.9 * i - 0.6, 0.3 * i, 0.5 + 0.2 * i), turn=(10 * i, 20 * i, 0), scale=(1, 0.5 + 0.2 * i, 1))
+        place(
+            bpy.data.objects.new(f"b{i}", of.data),
+            at=(0.9 * i - 0.6, 0.3 * i, 0.5 + 0.2 * i),
+            turn=(10 * i, 20 * i, 0),
+            scale=(1, 0.5 + 0.2 * i, 1),
+        )
 
 
 @scene()

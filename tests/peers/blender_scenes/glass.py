@@ -6,7 +6,9 @@ from .kit import ball, checks, cube, glow, link, material, nodes, plane, princip
 
 
 def glassy(name="glass", **inputs):
-    return material(name, **({"Base_Color": (1, 1, 1), "Roughness": 0.0, "Transmission_Weight": 1.0, "IOR": 1.45} | inputs))
+    return material(
+        name, **({"Base_Color": (1, 1, 1), "Roughness": 0.0, "Transmission_Weight": 1.0, "IOR": 1.45} | inputs)
+    )
 
 
 def chequered():
@@ -21,7 +23,9 @@ def absorbing(made, rgb, density, thickness=1.0):
     absorb.inputs["Color"].default_value, absorb.inputs["Density"].default_value = (*rgb, 1.0), density
     out = next(n for n in made.node_tree.nodes if n.type == "OUTPUT_MATERIAL")
     link(made, absorb.outputs[0], out.inputs["Volume"])
-    group = bpy.data.node_groups.get("glTF Material Output") or bpy.data.node_groups.new("glTF Material Output", "ShaderNodeTree")
+    group = bpy.data.node_groups.get("glTF Material Output") or bpy.data.node_groups.new(
+        "glTF Material Output", "ShaderNodeTree"
+    )
     if not group.interface.items_tree:
         group.interface.new_socket("Thickness", in_out="INPUT", socket_type="NodeSocketFloat")
     node = nodes(made, "ShaderNodeGroup")
@@ -71,7 +75,9 @@ def glass_and_metal():
     ball(glassy(Base_Color=(0.9, 0.6, 0.3), Metallic=0.5, Roughness=0.2))
 
 
-SHEET = "a single sheet is a thin pane, as in glTF's specification; in Cycles it bends light like the surface of a block"
+SHEET = (
+    "a single sheet is a thin pane, as in glTF's specification; in Cycles it bends light like the surface of a block"
+)
 
 
 @scene(differs=SHEET)
@@ -139,7 +145,7 @@ def glass_alpha():
     ball(glassy(Alpha=0.5, Roughness=0.2))
 
 
-@scene()
+@scene(samples=768, spp=512)
 def glass_with_coat():
     chequered()
     ball(glassy(Roughness=0.4, Coat_Weight=1.0))

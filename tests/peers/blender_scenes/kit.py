@@ -40,6 +40,9 @@ class Scene:
 
 SCENES: list[Scene] = []
 
+# What render/README.md tells people to choose; all else is the exporter's default.
+README = {"export_animations": True, "export_apply": True, "export_rest_position_armature": False}
+
 
 def scene(**options):
     """Registers a function that builds a scene, under its name."""
@@ -56,9 +59,8 @@ def material(name="material", **inputs):
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     node = principled(made)
-    # Blender's own choices for what glTF has no word for.
     for key, value in inputs.items():
-        node.inputs[key.replace("_", " ")].default_value = colour(value) if isinstance(value, tuple) else value
+        node.inputs[key.replace("_", " ")].default_value = colour(value) if "Color" in key or "Tint" in key else value
     return made
 
 
@@ -191,7 +193,9 @@ def sun(energy=3.0, turn=(35, 20, 0), **settings):
 
 def glow(rgb=(1, 1, 1), strength=6.0):
     """A material of lamps."""
-    return material("lamp", Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Color=rgb, Emission_Strength=strength)
+    return material(
+        "lamp", Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Color=rgb, Emission_Strength=strength
+    )
 
 
 def matte(rgb=(0.5, 0.5, 0.5)):
@@ -214,7 +218,9 @@ def stage(lights=True, floor=None, wall=True):
     """A floor, a wall behind it that shines a little, a broad lamp, and the camera."""
     plane(floor or matte(), size=14)
     if wall:
-        shine = material("wall", Base_Color=(0.3, 0.4, 0.6), Roughness=0.8, Emission_Color=(0.3, 0.4, 0.6), Emission_Strength=0.4)
+        shine = material(
+            "wall", Base_Color=(0.3, 0.4, 0.6), Roughness=0.8, Emission_Color=(0.3, 0.4, 0.6), Emission_Strength=0.4
+        )
         plane(shine, at=(0, 5, 3), size=14, turn=(90, 0, 0))
     if lights:
         plane(glow(), at=(2.5, -1.5, 4), size=2.5, turn=(20, 30, 0))

@@ -190,8 +190,9 @@ def world_of_picture(folder):
     sky(folder / "sky.exr")
 
 
-@scene(args=["--env", "{folder}/sky.exr", "--env-turn", "60"], **SKY)
+@scene(args=["--env", "{folder}/sky.exr", "--env-turn", "-60"], **SKY)
 def world_of_picture_turned(folder):
+    """The Mapping node turns the directions, so the sky the other way."""
     shown()
     sky(folder / "sky.exr", 60.0)
 

@@ -1,6 +1,9 @@
 """Surfaces that reflect: everything of a Principled material but textures and glass."""
 
-from .kit import ball, cube, glow, link, material, nodes, plane, principled, scene, stage, sun, textured
+import bpy
+import numpy as np
+
+from .kit import ball, checks, cube, glow, link, look, material, nodes, plane, principled, scene, stage, sun, textured
 
 
 def shown(**inputs):
@@ -61,12 +64,8 @@ def dielectric_white_floor():
 @scene()
 def dielectric_under_sun_grazing():
     stage(lights=False, wall=False, floor=material(Base_Color=(0.8, 0.8, 0.8), Roughness=0.3))
-    from .kit import bpy, look
-
-    bpy.context.scene.camera = None
-    look(at=(0, -6, 0.5), to=(0, 0, 0.2), name="Low")
-    for camera in [o for o in bpy.context.scene.objects if o.name == "Camera"]:
-        bpy.data.objects.remove(camera)
+    bpy.data.objects.remove(bpy.context.scene.camera)
+    look(at=(0, -6, 0.5), to=(0, 0, 0.2))
     sun()
 
 
@@ -127,8 +126,7 @@ def anisotropic_metal():
 
 @scene(differs="glTF has no light below the surface: the exporter drops Subsurface Weight")
 def subsurface():
-    made = shown(Base_Color=(0.8, 0.3, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=3.0)
-    principled(made).inputs["Subsurface Radius"].default_value = (1.0, 0.4, 0.2)
+    shown(Base_Color=(0.8, 0.3, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=1.0, Subsurface_Radius=(3.0, 2.0, 1.0))
 
 
 @scene(differs="glTF's base is Lambertian: the exporter drops Diffuse Roughness")
@@ -156,13 +154,15 @@ def alpha_hashed():
 def alpha_layers():
     stage()
     for i in range(4):
-        plane(material(f"layer {i}", Base_Color=(0.2 + 0.2 * i, 0.5, 0.8 - 0.2 * i), Alpha=0.3), at=(0, 0.4 * i - 0.6, 1), turn=(90, 0, 0))
+        plane(
+            material(f"layer {i}", Base_Color=(0.2 + 0.2 * i, 0.5, 0.8 - 0.2 * i), Alpha=0.3),
+            at=(0, 0.4 * i - 0.6, 1),
+            turn=(90, 0, 0),
+        )
 
 
 def holes(made, clip):
     """Alpha from a ramp; above ½ by the node that the exporter takes for a mask."""
-    import numpy as np
-
     y, x = np.mgrid[0:64, 0:64] / 63
     pixels = np.stack([0 * x + 0.8, 0.3 * y, 0.2 + 0 * x, x], -1)
     texture = textured(made, pixels)
@@ -204,18 +204,22 @@ def emission_and_colour():
 
 @scene()
 def emission_texture():
-    from .kit import checks
-
     stage(lights=False)
     made = material(Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Strength=4.0)
-    textured(made, checks(4, (1, 0.5, 0.1), (0, 0, 0.1), 32), "Emission Color")
+    textured(made, checks(4, (1, 0.5, 0.1), (0, 0, 0.1), 96), "Emission Color")
     plane(made, at=(0, 1, 1.2), turn=(75, 0, 0), scale=(1.2, 1.2, 1))
 
 
 @scene()
 def emission_half_there():
     stage(lights=False)
-    plane(material(Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Color=(1, 1, 1), Emission_Strength=6.0, Alpha=0.4), at=(0.6, 0, 2.6), turn=(15, 15, 0))
+    plane(
+        material(
+            Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Color=(1, 1, 1), Emission_Strength=6.0, Alpha=0.4
+        ),
+        at=(0.6, 0, 2.6),
+        turn=(15, 15, 0),
+    )
     cube(material(Base_Color=(0.3, 0.6, 0.8)), size=0.9, at=(0, 0, 0.45))
 
 
@@ -250,14 +254,16 @@ def emission_of_a_culled_sheet():
 @scene()
 def emission_closed_and_half_there():
     stage(lights=False)
-    ball(material(Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Color=(1, 0.7, 0.4), Emission_Strength=6.0, Alpha=0.4))
+    ball(
+        material(
+            Base_Color=(0, 0, 0), Specular_IOR_Level=0.0, Emission_Color=(1, 0.7, 0.4), Emission_Strength=6.0, Alpha=0.4
+        )
+    )
 
 
 @scene()
 def emission_shader_alone():
     """A material of an Emission node, without Principled."""
-    from .kit import bpy
-
     stage(lights=False)
     made = bpy.data.materials.new("emission")
     made.use_nodes = True

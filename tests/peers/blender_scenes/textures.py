@@ -3,8 +3,24 @@
 import bpy
 import numpy as np
 
-from .kit import (ball, checks, cube, image, link, material, nodes, normal_mapped, plane, principled, ramp, scene,
-                  stage, sun, textured, waves)
+from .kit import (
+    ball,
+    checks,
+    cube,
+    image,
+    link,
+    material,
+    nodes,
+    normal_mapped,
+    plane,
+    principled,
+    ramp,
+    scene,
+    stage,
+    sun,
+    textured,
+    waves,
+)
 
 
 def board(made, **how):

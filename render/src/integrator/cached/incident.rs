@@ -86,7 +86,7 @@ impl IncidentTracer<'_> {
             let Some(sample) = bsdf.sample(choice.y, scattering) else { break };
             throughput *= if cached.is_some() { sample.weight.glossy } else { sample.weight.sum() };
             eta *= sample.eta;
-            media = media.beyond(world, &at, &bsdf, sample.wi);
+            media.pass(world, &at, &bsdf, sample.wi);
             if !sample.is_delta() {
                 straight = None;
             }

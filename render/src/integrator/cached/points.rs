@@ -82,7 +82,7 @@ pub fn see<'a>(
         let choice = sampler.next_2d();
         let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { return Seen::Ended };
         throughput *= sample.weight.sum();
-        media = media.beyond(world, &at, &bsdf, sample.wi);
+        media.pass(world, &at, &bsdf, sample.wi);
         if throughput.max_element() <= 0.0 {
             return Seen::Ended;
         }

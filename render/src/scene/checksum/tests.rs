@@ -2,7 +2,7 @@
 
 use super::super::{
     AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Falloff, Film, Filter,
-    FloatTexture, Geometry, Group, Instance, Interpolation, Layering, Light, Material, MaterialId, Mesh, Projection, Rgb, Rows,
+    FloatTexture, Geometry, Group, Instance, Interpolation, Light, Material, MaterialId, Mesh, Projection, Rgb, Rows,
     Shape, Sphere, Texels, Texture, TextureId, WardVariant, Wrap,
 };
 use super::*;
@@ -55,7 +55,7 @@ fn scenes() -> Vec<Scene> {
             roughness: f(0.5),
             f0: ColorTexture::Painted(None, Rgb::splat(0.04)),
             specular: FloatTexture::Painted(Some(texture(0)), 0.5),
-            layering: Layering::View,
+            layered: Some(eta),
         },
         Material::TwoSided { front: id(0), back: id(1) },
         Material::Mask { opacity: f(0.5), inner: id(0) },
@@ -160,7 +160,6 @@ fn words() -> Vec<&'static str> {
     [
         variants::<Distribution>(),
         variants::<WardVariant>(),
-        variants::<Layering>(),
         variants::<Wrap>(),
         variants::<Interpolation>(),
         variants::<Rows>(),

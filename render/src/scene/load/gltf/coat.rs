@@ -3,7 +3,7 @@
 use super::Builder;
 use super::texture::{Channel, number};
 use crate::scene::load::error::FileError;
-use crate::scene::{ColorTexture, FloatTexture, Layering, Material, MaterialId, Rgb};
+use crate::scene::{ColorTexture, FloatTexture, Material, MaterialId, Rgb};
 
 impl Builder<'_> {
     /// A material under its clear coat, if it has one. The coat has its own normals.
@@ -34,14 +34,13 @@ impl Builder<'_> {
         // What reflects all.
         let one = FloatTexture::Constant(1.0);
         let white = ColorTexture::Constant(Rgb::ONE);
-        let layering = Layering::HalfVector;
         let coat = Material::MetallicRoughness {
             base_color: white,
             metallic: one,
             roughness,
             f0: white,
             specular: one,
-            layering,
+            layered: None,
         };
         let coat = self.push(coat, source);
         let coat = self.bent(coat, normal, source);

@@ -1,10 +1,10 @@
 //! glTF materials and textures.
 
 use super::Builder;
-use super::glass::Opaque;
+use super::glass::{self, Opaque};
 use super::texture::{Channel, Reference};
 use crate::scene::load::error::FileError;
-use crate::scene::{AreaEmitter, ColorTexture, FloatTexture, Layering, Material, MaterialId, Rgb, TextureId};
+use crate::scene::{AreaEmitter, ColorTexture, FloatTexture, Material, MaterialId, Rgb, TextureId};
 use gltf::material::AlphaMode;
 
 /// A material as shapes use it.
@@ -76,12 +76,7 @@ impl Builder<'_> {
     }
 
     /// A surface under its normal map, the same on both sides.
-    fn opaque(
-        &mut self,
-        surface: Material,
-        normal: Option<(TextureId, f32)>,
-        source: &gltf::Material,
-    ) -> MaterialId {
+    fn opaque(&mut self, surface: Material, normal: Option<(TextureId, f32)>, source: &gltf::Material) -> MaterialId {
         let surface = self.push(surface, source);
         let surface = self.bent(surface, normal, source);
         self.both_sides(surface, source)
@@ -134,9 +129,9 @@ impl Builder<'_> {
             let roughness = self.scaled(pbr.roughness_factor(), surface.as_ref(), Channel::Linear(1), uv_sets)?;
             let metallic = self.scaled(pbr.metallic_factor(), surface.as_ref(), Channel::Linear(2), uv_sets)?;
             let (f0, specular) = self.fresnel(source, uv_sets)?;
-            let layering = if self.blender { Layering::View } else { Layering::HalfVector };
+            let layered = self.blender.then(|| glass::index(source));
             let surface =
-                |metallic| Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layering };
+                |metallic| Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layered };
             let mut id = self.opaque(surface(metallic), normal, source);
             if let Some(transmission) = source.transmission() {
                 let texture = transmission.transmission_texture().map(|t| Reference::info(&t));

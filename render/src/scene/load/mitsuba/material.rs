@@ -6,7 +6,7 @@ use super::object::Object;
 use super::objects::ObjectId;
 use super::texture::Decode;
 use crate::scene::load::error::LoadError;
-use crate::scene::{ColorTexture, Distribution, FloatTexture, Layering, Material, MaterialId, Rgb, WardVariant};
+use crate::scene::{ColorTexture, Distribution, FloatTexture, Material, MaterialId, Rgb, WardVariant};
 
 /// Roughness along u and v.
 struct Roughness {
@@ -252,7 +252,6 @@ impl Builder<'_> {
         let roughness = self.number_in(object, "roughness", 0.5, 0.0..=1.0)?;
         let f0 = ColorTexture::Constant(Rgb::splat(0.08 * object.number_or("specular", 0.5)? as f32));
         let specular = FloatTexture::Constant(1.0);
-        let layering = Layering::HalfVector;
-        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layering })
+        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layered: None })
     }
 }
