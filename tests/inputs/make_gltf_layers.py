@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the glTF files of gltf-blender, and those of gltf-glass that hold something: python3 make_gltf_layers.py
+"""Writes the glTF files of gltf-blender, and those of gltf-glass that hold something or are half metal: python3
+make_gltf_layers.py
 
 The square of make_gltf.py fills the view of a camera of one by one units; where it says so, before a wall that shines.
 """
@@ -100,8 +101,8 @@ def glasses():
     file = Layers(glass(metallic=0.5, rgb=(0, 0, 0)), blender=False)
     file.node(mesh=0)
     file.write("valid/gltf-glass/metal_half.gltf")
-    # In the middle of a cube of two units, of index 1, that leaves a quarter, half and all of the light after one unit: a
-    # square that shines, and a mirror, before which a wall shines behind the camera.
+    # In the middle of a cube of two units, of index 1, that leaves a quarter, half and all of the light after one unit:
+    # a square that shines, and a mirror, before which a wall shines behind the camera.
     absorbing = {"thicknessFactor": 1, "attenuationColor": [0.25, 0.5, 1], "attenuationDistance": 1}
     for blender in (False, True):
         file = Layers(glass(1.0, volume=absorbing), lamp(), blender=blender)
