@@ -1,7 +1,8 @@
 //! Lamps that shine on both sides.
 //!
 //! Emitters of this crate have one bright side. A double-sided glTF lamp, Blender's default, becomes two sheets back to
-//! back, the second behind the first by so little that nothing fits between them.
+//! back, the second behind the first by so little that nothing fits between them. Sheets with holes are there from the front
+//! alone ([`crate::scene::Material::FrontAlone`]): else both would take their share of what passes.
 
 use super::material::Back;
 use crate::scene::Mesh;
