@@ -148,10 +148,10 @@ def absorbing_scaled():
     ball(made, radius=0.5, scale=(2, 2, 2))
 
 
-@scene()
+@scene(samples=512)
 def glass_alpha():
     chequered()
-    ball(glassy(Alpha=0.5, Roughness=0.2))
+    ball(glassy(Alpha=0.5, Roughness=0.4))
 
 
 @scene(samples=768, spp=512)
