@@ -361,8 +361,9 @@ def left_out():
     file.write("valid/gltf-morph/zeros.gltf")
 
 
-skins()
-instances()
-animations()
-left_out()
-quantization()
+if __name__ == "__main__":
+    skins()
+    instances()
+    animations()
+    left_out()
+    quantization()

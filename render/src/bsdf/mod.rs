@@ -10,6 +10,7 @@ mod facets;
 mod fresnel;
 mod glass;
 mod glossy;
+mod layers;
 mod metal;
 mod resolve;
 mod rough_dielectric;
@@ -27,6 +28,7 @@ pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
 pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
+pub(crate) use layers::FacetTable;
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
 pub(crate) use sheet::Sheet;
@@ -216,11 +218,7 @@ impl Bsdf<'_> {
             Model::Glossy(m) => Some(Parts::even(m.diffuse, m.specular)),
             Model::RoughMetal(m) => Some(Parts::even(Rgb::ZERO, m.smooth.specular)),
             Model::RoughCoat(m) => Some(Parts::even(m.base_albedo(self.wo), m.specular)),
-            Model::MetallicRoughness(m) => Some(Parts {
-                diffuse: m.base_albedo(self.wo),
-                specular: m.mixture.f0,
-                grazing: Rgb::splat(m.mixture.f90),
-            }),
+            Model::MetallicRoughness(m) => Some(m.parts(self.wo)),
             _ => None,
         }
     }

@@ -36,7 +36,7 @@ impl World {
                     id = if behind { *back } else { *front };
                     frame = if behind { frame.flipped() } else { frame };
                 }
-                Material::Mask { inner, .. } => id = *inner,
+                Material::Mask { inner, .. } | Material::FrontAlone { inner } => id = *inner,
                 Material::Blend { weight, first, second } => {
                     // One of the two, chosen by the point itself: right on average, at the cost of one.
                     let w = weight.eval(&self.scene.textures, &at.coordinates);
@@ -172,18 +172,21 @@ impl World {
                     table,
                 }),
             },
-            Material::MetallicRoughness { base_color, metallic, roughness, f0, specular } => {
+            Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, .. } => {
                 let roughness = roughness.eval(textures, uv).clamp(0.0, 1.0);
-                let facets = Facets::new(crate::scene::Distribution::Ggx, Vec2::splat(roughness * roughness));
                 let color = base_color.eval(textures, uv);
                 let metallic = metallic.eval(textures, uv);
                 let f90 = specular.eval(textures, uv).clamp(0.0, 1.0);
                 let f0 = f0.eval(textures, uv).clamp(Vec3A::ZERO, Vec3A::ONE) * f90;
-                let dielectric = Schlick { f0, f90 };
-                Model::MetallicRoughness(MetallicRoughness::new(color, metallic, facets, dielectric, wo.z))
+                let dielectric = Schlick { f0, f90: Vec3A::splat(f90) };
+                Model::MetallicRoughness(match self.facets(id) {
+                    None => MetallicRoughness::new(color, metallic, roughness, dielectric, wo.z),
+                    Some(table) => MetallicRoughness::layered(color, metallic, roughness, dielectric, wo.z, table),
+                })
             }
             Material::TwoSided { .. }
             | Material::Mask { .. }
+            | Material::FrontAlone { .. }
             | Material::Blend { .. }
             | Material::Coat { .. }
             | Material::NormalMap { .. }

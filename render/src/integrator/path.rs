@@ -1,5 +1,6 @@
 //! The path tracer: the truth the caches are judged by, their rival, and the engine that fills them.
 
+use super::media::Media;
 use super::{Integrator, Radiance};
 use crate::bsdf::{Bsdf, Split};
 use crate::light::{Receiver, Target, power_heuristic};
@@ -37,6 +38,8 @@ struct Path {
     eta: f32,
     /// `None` from the eye or a perfectly specular surface: emitters count fully.
     previous: Option<Previous>,
+    /// The glasses around it.
+    media: Media,
 }
 
 impl Path {
@@ -55,8 +58,14 @@ impl Path {
 impl Integrator for PathTracer {
     #[inline(always)]
     fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Radiance {
-        let mut path =
-            Path { out: Radiance::default(), throughput: Rgb::ONE, diffuse_share: Rgb::ZERO, eta: 1.0, previous: None };
+        let mut path = Path {
+            out: Radiance::default(),
+            throughput: Rgb::ONE,
+            diffuse_share: Rgb::ZERO,
+            eta: 1.0,
+            previous: None,
+            media: Media::NONE,
+        };
         let mut ray = ray;
         let mut segments = 0;
         while segments < self.settings.max_depth {
@@ -76,7 +85,7 @@ impl Integrator for PathTracer {
             if let Some(emitter) = at.emitter
                 && counts
             {
-                let light = emission(world, &at, emitter, &path);
+                let light = emission(world, &at, emitter, &path) * path.media.left(at.distance);
                 path.add(segments, light);
             }
             if segments == self.settings.max_depth {
@@ -89,6 +98,7 @@ impl Integrator for PathTracer {
             if segments == 1 {
                 note_surface(&mut path.out, &at, &bsdf, &hit);
             }
+            path.throughput *= path.media.left_before(world, &at, &bsdf);
             // Sample the lights.
             let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
             let [choice, u_light, u_scattering, u_roulette] = sampler.next_4x2d(&mut queries.scrambles);
@@ -103,6 +113,7 @@ impl Integrator for PathTracer {
             }
             path.throughput *= weight;
             path.eta *= sample.eta;
+            path.media.pass(world, &at, &bsdf, sample.wi);
             path.previous = (!sample.is_delta()).then_some(Previous { receiver, pdf: sample.pdf });
             // Russian roulette on what the path can still carry.
             let mut survival = path.throughput.max_element();
@@ -187,6 +198,8 @@ fn sample_lights(
     if queries.occluded(world, &shadow) {
         return;
     }
+    let length = (shadow.t_max * shadow.direction.length()).min(f32::MAX);
+    let reflected = reflected * path.media.left_beyond(world, at, bsdf, light.wi, length);
     if segments == 1 {
         path.out.direct = path.out.direct + reflected;
     } else {

@@ -1,5 +1,6 @@
 //! The path tracer's readable twin: what it computes is plain to see, and the tests hold the real one to it.
 
+use super::media::Media;
 use super::{Integrator, Radiance};
 use crate::light::{Receiver, Target};
 use crate::ray::Ray;
@@ -22,6 +23,7 @@ impl Integrator for SimplePathTracer {
         let (mut radiance, mut throughput) = (Rgb::ZERO, Rgb::ONE);
         let mut ray = ray;
         let mut specular = true;
+        let mut media = Media::NONE;
         for depth in 1..=self.max_depth {
             // Intersect the ray with the scene; add the environment where it leaves.
             let hit = queries.intersect(world, &ray);
@@ -38,12 +40,15 @@ impl Integrator for SimplePathTracer {
                 && specular
                 && at.normal.dot(at.wo) > 0.0
             {
-                radiance += throughput * lights.emitted(textures, emitter, &at.coordinates);
+                radiance += throughput * media.left(at.distance) * lights.emitted(textures, emitter, &at.coordinates);
             }
             if depth == self.max_depth {
                 break;
             }
             let bsdf = world.bsdf(&at);
+
+            // Absorb what the glass around takes on the way here.
+            throughput *= media.left_before(world, &at, &bsdf);
 
             // Sample direct light from one of all lights.
             specular = bsdf.is_delta();
@@ -61,7 +66,9 @@ impl Integrator for SimplePathTracer {
                 };
                 if !queries.occluded(world, &shadow) {
                     let f = bsdf.eval(light.wi).f.sum() * bsdf.abs_cos(light.wi);
-                    radiance += throughput * f * light.radiance / light.pdf;
+                    let length = (shadow.t_max * shadow.direction.length()).min(f32::MAX);
+                    let left = media.left_beyond(world, &at, &bsdf, light.wi, length);
+                    radiance += throughput * f * left * light.radiance / light.pdf;
                 }
             }
 
@@ -69,6 +76,7 @@ impl Integrator for SimplePathTracer {
             let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { break };
             specular = sample.is_delta();
             throughput *= sample.weight.sum();
+            media.pass(world, &at, &bsdf, sample.wi);
             ray = at.spawn(sample.wi);
         }
         Radiance { emission: radiance, ..Radiance::default() }

@@ -171,7 +171,7 @@ pub enum Material {
         /// Whether internal scattering shifts the colour.
         nonlinear: bool,
     },
-    /// glTF 2.0 metallic-roughness: the formula of its appendix B, α = roughness².
+    /// glTF 2.0 metallic-roughness: GGX facets of α = roughness² over a Lambertian base.
     MetallicRoughness {
         /// Base colour.
         base_color: ColorTexture,
@@ -184,6 +184,15 @@ pub enum Material {
         f0: ColorTexture,
         /// Reflectance of the dielectric part at grazing incidence (1 but for KHR_materials_specular).
         specular: FloatTexture,
+        /// How base and facets share light.
+        ///
+        /// `None`: the base gets what Fresnel's term at the half vector leaves, and facets scatter once: appendix B of glTF
+        /// 2.0. Rough metal loses light, and a white base makes some where it is seen at a grazing angle.
+        ///
+        /// With the index of the dielectric: the base gets what the facets leave at the view, and what facets scatter more
+        /// than once is kept, as in Cycles: white surfaces neither make nor lose light. The dielectric's reflectance rises by
+        /// Fresnel's equations, not by Schlick's formula.
+        layered: Option<f32>,
     },
     /// Reflects on both sides: `front` on the side of the normal, `back` on the other (often the same).
     TwoSided {
@@ -197,6 +206,11 @@ pub enum Material {
         /// Share of light that meets the surface, 0 … 1.
         opacity: FloatTexture,
         /// Material of the opaque part.
+        inner: MaterialId,
+    },
+    /// `inner` on the side of the normal; on the other, nothing is there: light passes.
+    FrontAlone {
+        /// Material of the front.
         inner: MaterialId,
     },
     /// Shading normal from a texture: 2·rgb − 1 in the frame (∂p/∂u, ∂p/∂v, n). The texture must be decoded linearly.

@@ -44,9 +44,10 @@ impl Material {
             Self::TwoSided { front, back } => [Some(front), Some(back)],
             Self::Blend { first, second, .. } => [Some(first), Some(second)],
             Self::Coat { coat, base, .. } => [Some(coat), Some(base)],
-            Self::Mask { inner, .. } | Self::NormalMap { inner, .. } | Self::BumpMap { inner, .. } => {
-                [Some(inner), None]
-            }
+            Self::Mask { inner, .. }
+            | Self::FrontAlone { inner }
+            | Self::NormalMap { inner, .. }
+            | Self::BumpMap { inner, .. } => [Some(inner), None],
             _ => [None, None],
         };
         pair.into_iter().flatten()
@@ -77,7 +78,11 @@ impl Material {
                 color(b);
             }
             Self::NormalMap { texture, .. } | Self::BumpMap { texture, .. } => found.push(*texture),
-            Self::TwoSided { .. } | Self::Mask { .. } | Self::Blend { .. } | Self::Coat { .. } => {}
+            Self::TwoSided { .. }
+            | Self::Mask { .. }
+            | Self::FrontAlone { .. }
+            | Self::Blend { .. }
+            | Self::Coat { .. } => {}
         }
         let mut float = |c: &FloatTexture| found.extend(c.texture());
         match self {
@@ -116,7 +121,8 @@ impl Scene {
                 check_index(what, "texture", texture.0, self.textures.len())?;
             }
             if let Material::Blend { .. } | Material::Coat { .. } = m {
-                let masked = m.children().any(|c| matches!(self.materials[c.0 as usize], Material::Mask { .. }));
+                let holes = |m: &Material| matches!(m, Material::Mask { .. } | Material::FrontAlone { .. });
+                let masked = m.children().any(|c| holes(&self.materials[c.0 as usize]));
                 require(!masked, || format!("{}: a mask inside a blend; put the blend inside the mask", what()))?;
             }
         }

@@ -130,7 +130,7 @@ impl Aggregate {
         if self.masks.is_empty() {
             self.bvh.intersect(stack, ray, hit, |_, _, _| true);
         } else {
-            self.bvh.intersect(stack, ray, hit, |id, b1, b2| self.triangle_opacity(context, id, b1, b2) > 0.0);
+            self.bvh.intersect(stack, ray, hit, |id, b1, b2| self.triangle_opacity(context, ray, id, b1, b2) > 0.0);
         }
         if self.object_bvh.is_some() {
             self.intersect_objects(context, stack, ray, hit);
@@ -144,7 +144,8 @@ impl Aggregate {
         let by_triangle = if self.masks.is_empty() {
             self.bvh.occluded(stack, ray, |_, _, _| true)
         } else {
-            self.bvh.occluded(stack, ray, |id, b1, b2| may_stop(self.triangle_opacity(context, id, b1, b2), partly))
+            self.bvh
+                .occluded(stack, ray, |id, b1, b2| may_stop(self.triangle_opacity(context, ray, id, b1, b2), partly))
         };
         by_triangle || (self.object_bvh.is_some() && self.occluded_by_objects(context, stack, ray, partly))
     }

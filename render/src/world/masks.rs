@@ -17,17 +17,25 @@ use std::sync::Arc;
 
 /// Opacity of a material: the product of the masks that are wrapped in each other.
 #[derive(Clone, Debug)]
-pub(crate) struct Opacity(Arc<[FloatTexture]>);
+pub(crate) struct Opacity {
+    factors: Arc<[FloatTexture]>,
+    /// Whether nothing is there from behind.
+    front_alone: bool,
+}
 
 impl Opacity {
     /// `None` for a material without holes.
     pub fn of(scene: &Scene, material: MaterialId) -> Option<Self> {
-        let mut factors = Vec::new();
+        let (mut factors, mut front_alone) = (Vec::new(), false);
         let mut id = material;
         loop {
             id = match &scene.materials[id.0 as usize] {
                 Material::Mask { opacity, inner } => {
                     factors.push(*opacity);
+                    *inner
+                }
+                Material::FrontAlone { inner } => {
+                    front_alone = true;
                     *inner
                 }
                 Material::TwoSided { front: inner, .. }
@@ -36,23 +44,29 @@ impl Opacity {
                 _ => break,
             };
         }
-        (!factors.is_empty()).then(|| Self(factors.into()))
+        (front_alone || !factors.is_empty()).then(|| Self { factors: factors.into(), front_alone })
     }
 
-    /// Share of light that meets the surface at a point, 0 … 1.
+    /// Share of light that meets the front at a point, 0 … 1.
     #[inline]
     pub fn at(&self, textures: &[Texture], at: &Coordinates) -> f32 {
-        self.0.iter().map(|f| f.eval(textures, at).clamp(0.0, 1.0)).product()
+        self.factors.iter().map(|f| f.eval(textures, at).clamp(0.0, 1.0)).product()
+    }
+
+    /// The same for light in a direction, which comes from behind where it is that of the normal.
+    #[inline]
+    fn towards(&self, textures: &[Texture], at: &Coordinates, normal: Vec3A, direction: Vec3A) -> f32 {
+        if self.front_alone && normal.dot(direction) > 0.0 { 0.0 } else { self.at(textures, at) }
     }
 
     /// Mean over texture space, taking the masks for independent.
     pub fn mean(&self, textures: &[Texture]) -> f32 {
-        self.0.iter().map(|f| f.mean(textures).clamp(0.0, 1.0)).product()
+        self.factors.iter().map(|f| f.mean(textures).clamp(0.0, 1.0)).product()
     }
 
     /// Whether it varies over the surface.
     pub fn varies(&self) -> bool {
-        self.0.iter().any(|f| !matches!(f, FloatTexture::Constant(_)))
+        self.factors.iter().any(|f| !matches!(f, FloatTexture::Constant(_)))
     }
 }
 
@@ -66,19 +80,22 @@ struct Layer {
 }
 
 impl Aggregate {
-    /// Opacity of triangle `id` at a point.
+    /// Opacity of triangle `id` at a point, for a ray.
     #[inline]
-    pub(super) fn triangle_opacity(&self, context: Context, id: u32, b1: f32, b2: f32) -> f32 {
+    pub(super) fn triangle_opacity(&self, context: Context, ray: &Ray, id: u32, b1: f32, b2: f32) -> f32 {
         let triangle = &self.triangles[id as usize];
         let Some(opacity) = &self.masks[triangle.shape as usize] else { return 1.0 };
         let Geometry::Mesh(mesh) = &context.shapes[triangle.shape as usize].geometry else { return 1.0 };
-        opacity.at(&context.scene.textures, &mesh.coordinates(triangle.index, b1, b2))
+        let coordinates = mesh.coordinates(triangle.index, b1, b2);
+        opacity.towards(&context.scene.textures, &coordinates, triangle.normal.into(), ray.direction)
     }
 
     /// Opacity of a sphere where a ray meets it at distance `t`.
     pub(super) fn sphere_opacity(&self, context: Context, shape: u32, sphere: &Sphere, ray: &Ray, t: f32) -> f32 {
         let Some(Some(opacity)) = self.masks.get(shape as usize) else { return 1.0 };
-        opacity.at(&context.scene.textures, &sphere.uv(sphere.outward(ray, t)).into())
+        let outward = sphere.outward(ray, t);
+        let normal = if sphere.inward { -outward } else { outward };
+        opacity.towards(&context.scene.textures, &sphere.uv(outward).into(), normal, ray.direction)
     }
 
     /// What lies at a hit on this aggregate; `None` where nothing passes. `away` adds to the coordinates that were rounded.
@@ -94,10 +111,12 @@ impl Aggregate {
                 let Some(&Object::Sphere { shape, sphere }) = object else { return None };
                 let outward = sphere.outward(ray, hit.t);
                 let uv = sphere.uv(outward);
-                (shape, uv.into(), uv, outward, sphere.center.abs().max_element() + sphere.radius)
+                let normal = if sphere.inward { -outward } else { outward };
+                (shape, uv.into(), uv, normal, sphere.center.abs().max_element() + sphere.radius)
             }
         };
-        let opacity = self.masks.get(shape as usize)?.as_ref()?.at(&context.scene.textures, &coordinates);
+        let opacity = self.masks.get(shape as usize)?.as_ref()?;
+        let opacity = opacity.towards(&context.scene.textures, &coordinates, normal, ray.direction);
         // As far from the surface as the start of a ray that leaves it; the distance of the hit has its own rounding.
         let clearance = OFFSET * (extent + away + hit.t * ray.direction.length());
         let step = clearance / normal.dot(ray.direction).abs().max(GRAZING * ray.direction.length());

@@ -6,10 +6,10 @@ mod masks;
 mod queries;
 mod sphere;
 
-use crate::bsdf::{CoatTable, GlassTable};
+use crate::bsdf::{CoatTable, FacetTable, GlassTable};
 use crate::light::{FirstEmitter, Lights};
 use crate::ray::{Hit, Ray};
-use crate::scene::{FloatTexture, Material, MaterialId, Scene, SceneError};
+use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
@@ -37,6 +37,8 @@ pub struct World {
     coats: Vec<Option<Box<CoatTable>>>,
     /// Tables of the glasses that are rough somewhere, by material.
     glasses: Vec<Option<Arc<GlassTable>>>,
+    /// Tables of the facets over layered bases, by material.
+    facets: Vec<Option<Arc<FacetTable>>>,
 }
 
 impl World {
@@ -65,8 +67,8 @@ impl World {
             _ => None,
         };
         let coats = scene.materials.iter().map(coat).collect();
-        let glasses = glasses(&scene);
-        Ok(Self { scene, lights, aggregate, groups, masked, first_emitter, needs_tangents, coats, glasses })
+        let (glasses, facets) = (glasses(&scene), facets(&scene));
+        Ok(Self { scene, lights, aggregate, groups, masked, first_emitter, needs_tangents, coats, glasses, facets })
     }
 
     /// Smallest and largest corner of all surfaces; min > max without any.
@@ -106,6 +108,20 @@ impl World {
         self.glasses[id.0 as usize].as_deref()
     }
 
+    #[inline]
+    pub(crate) fn facets(&self, id: MaterialId) -> Option<&FacetTable> {
+        self.facets[id.0 as usize].as_deref()
+    }
+
+    /// Absorption coefficient behind a material that is a boundary of glass.
+    #[inline]
+    pub(crate) fn boundary(&self, id: MaterialId) -> Option<Rgb> {
+        match *self.material(id) {
+            Material::Glass { sheet: false, absorption, .. } => Some(absorption),
+            _ => None,
+        }
+    }
+
     fn context(&self) -> Context<'_> {
         Context { scene: &self.scene, shapes: &self.scene.shapes, groups: &self.groups }
     }
@@ -118,6 +134,18 @@ fn glasses(scene: &Scene) -> Vec<Option<Arc<GlassTable>>> {
         Material::Glass { roughness, eta, sheet, .. } if roughness != FloatTexture::Constant(0.0) => {
             let new = || Arc::new(GlassTable::new(eta, sheet));
             Some(Arc::clone(known.entry((eta.to_bits(), sheet)).or_insert_with(new)))
+        }
+        _ => None,
+    };
+    scene.materials.iter().map(&mut table).collect()
+}
+
+/// A table for every layered surface; those of one index share it.
+fn facets(scene: &Scene) -> Vec<Option<Arc<FacetTable>>> {
+    let mut known = HashMap::new();
+    let mut table = |m: &Material| match *m {
+        Material::MetallicRoughness { layered: Some(eta), .. } => {
+            Some(Arc::clone(known.entry(eta.to_bits()).or_insert_with(|| Arc::new(FacetTable::new(eta)))))
         }
         _ => None,
     };

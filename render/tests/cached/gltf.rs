@@ -24,6 +24,7 @@ fn metallic_roughness(metallic: f32, roughness: FloatTexture, grazing: f32) -> M
         roughness,
         f0: ColorTexture::Constant(Vec3A::splat(0.04)),
         specular: FloatTexture::Constant(grazing),
+        layered: None,
     }
 }
 

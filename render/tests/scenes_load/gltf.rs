@@ -150,7 +150,7 @@ fn materials_and_textures() {
     else {
         panic!()
     };
-    let Material::MetallicRoughness { base_color, metallic, roughness, f0, specular } =
+    let Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, .. } =
         &scene.materials[inner.0 as usize]
     else {
         panic!()

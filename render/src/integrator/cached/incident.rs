@@ -3,6 +3,7 @@
 use super::direct::{Left, emission, environment, receiver, sample_light};
 use crate::cache::{Cache, Weight};
 use crate::gather::Incident;
+use crate::integrator::media::Media;
 use crate::ray::Ray;
 use crate::record::eas::mean_radiance;
 use crate::record::irradiance::IrradianceRecord;
@@ -36,6 +37,7 @@ impl IncidentTracer<'_> {
         let mut found = Incident { radiance: Rgb::ZERO, distance: f32::INFINITY, normal: Vec3A::ZERO };
         let (mut ray, mut throughput, mut eta) = (ray, Rgb::ONE, 1.0);
         let mut left: Option<Left> = None;
+        let mut media = Media::NONE;
         // Length of the path while nothing but mirrors turned it: what a mirror shows lies behind it.
         let mut straight = Some(0.0);
         for segment in 1..=self.max_segments {
@@ -59,12 +61,14 @@ impl IncidentTracer<'_> {
             if segment == 1 {
                 found.normal = at.normal * 1f32.copysign(at.normal.dot(at.wo));
             } else {
-                found.radiance += throughput * emission(world, &world.lights, &at, left.as_ref());
+                let light = emission(world, &world.lights, &at, left.as_ref());
+                found.radiance += throughput * media.left(at.distance) * light;
             }
             if segment == self.max_segments {
                 break;
             }
             let bsdf = world.bsdf(&at);
+            throughput *= media.left_before(world, &at, &bsdf);
             let [choice, on_light, scattering, roulette] = sampler.next_4x2d(&mut queries.scrambles);
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
@@ -82,6 +86,7 @@ impl IncidentTracer<'_> {
             let Some(sample) = bsdf.sample(choice.y, scattering) else { break };
             throughput *= if cached.is_some() { sample.weight.glossy } else { sample.weight.sum() };
             eta *= sample.eta;
+            media.pass(world, &at, &bsdf, sample.wi);
             if !sample.is_delta() {
                 straight = None;
             }

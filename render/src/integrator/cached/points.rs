@@ -3,6 +3,7 @@
 use crate::bsdf::Bsdf;
 use crate::camera::RayGenerator;
 use crate::frame::Frame;
+use crate::integrator::media::Media;
 use crate::ray::Ray;
 use crate::record::View;
 use crate::sampler::Sampler;
@@ -62,7 +63,7 @@ pub fn see<'a>(
     queries: &mut Queries,
     mut emitted: impl FnMut(&Interaction, Rgb, u32),
 ) -> Seen<'a> {
-    let (mut ray, mut throughput, mut length) = (ray, Rgb::ONE, 0.0);
+    let (mut ray, mut throughput, mut length, mut media) = (ray, Rgb::ONE, 0.0, Media::NONE);
     for segments in 1..=max_segments {
         let hit = queries.intersect(world, &ray);
         if !hit.exists() {
@@ -70,8 +71,9 @@ pub fn see<'a>(
         }
         let at = world.interaction(&ray, &hit);
         length += hit.t;
-        emitted(&at, throughput, segments);
+        emitted(&at, throughput * media.left(at.distance), segments);
         let bsdf = world.bsdf(&at);
+        throughput *= media.left_before(world, &at, &bsdf);
         if !bsdf.is_delta() {
             let footprint = camera.width_at(length);
             let (frame, material) = (*bsdf.frame(), bsdf.material());
@@ -80,6 +82,7 @@ pub fn see<'a>(
         let choice = sampler.next_2d();
         let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { return Seen::Ended };
         throughput *= sample.weight.sum();
+        media.pass(world, &at, &bsdf, sample.wi);
         if throughput.max_element() <= 0.0 {
             return Seen::Ended;
         }

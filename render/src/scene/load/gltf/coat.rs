@@ -34,8 +34,14 @@ impl Builder<'_> {
         // What reflects all.
         let one = FloatTexture::Constant(1.0);
         let white = ColorTexture::Constant(Rgb::ONE);
-        let coat =
-            Material::MetallicRoughness { base_color: white, metallic: one, roughness, f0: white, specular: one };
+        let coat = Material::MetallicRoughness {
+            base_color: white,
+            metallic: one,
+            roughness,
+            f0: white,
+            specular: one,
+            layered: None,
+        };
         let coat = self.push(coat, source);
         let coat = self.bent(coat, normal, source);
         let coat = self.both_sides(coat, source);

@@ -14,6 +14,8 @@ use crate::scene::{ColorTexture, FloatTexture, Material, MaterialId, Rgb, Textur
 /// An opaque material with what glass shares with it.
 pub struct Opaque {
     pub id: MaterialId,
+    /// What of it is metal, alone; `None` where nothing is.
+    pub metal: Option<MaterialId>,
     /// Normal map with its scale.
     pub normal: Option<(TextureId, f32)>,
     pub base_color: ColorTexture,
@@ -51,18 +53,17 @@ impl Builder<'_> {
 
     /// Glass in place of so much of an opaque material; what is metal stays metal.
     pub(super) fn glass(&mut self, source: &gltf::Material, opaque: &Opaque, weight: FloatTexture) -> MaterialId {
-        let &Opaque { normal, base_color, metallic, roughness, solid, .. } = opaque;
-        let eta = source.ior().filter(|n| *n > 0.0).map_or(1.5, |n| n.clamp(0.1, MAX_INDEX));
-        // An index of 0 stands for an infinite one.
-        let eta = if source.ior() == Some(0.0) { MAX_INDEX } else { eta };
-        let absorption = source.volume().filter(|_| solid).map_or(Rgb::ZERO, |v| absorption(&v));
+        let &Opaque { normal, base_color, metallic, roughness, solid, metal, .. } = opaque;
+        let eta = index(source);
+        let volume = source.volume().filter(|_| solid);
+        let absorption = volume.map_or(Rgb::ZERO, |v| absorption(&v, self.blender));
         let crossings = if solid || self.blender { 2 } else { 1 };
         let glass = Material::Glass { base_color, crossings, roughness, eta, sheet: !solid, absorption };
         let glass = self.push(glass, source);
         let glass = self.bent(glass, normal, source);
-        let second = match metallic {
-            FloatTexture::Constant(m) if m <= 0.0 => glass,
-            _ => self.push(Material::Blend { weight: metallic, first: glass, second: opaque.id }, source),
+        let second = match metal {
+            None => glass,
+            Some(metal) => self.push(Material::Blend { weight: metallic, first: glass, second: metal }, source),
         };
         self.push(Material::Blend { weight, first: opaque.id, second }, source)
     }
@@ -70,12 +71,22 @@ impl Builder<'_> {
 
 const MAX_INDEX: f32 = 1e4;
 
-/// Absorption coefficient of which the attenuation colour is left after the attenuation distance.
-fn absorption(volume: &gltf::material::Volume) -> Rgb {
+/// Index of refraction; one of 0 stands for an infinite one.
+pub(super) fn index(source: &gltf::Material) -> f32 {
+    match source.ior() {
+        Some(0.0) => MAX_INDEX,
+        ior => ior.filter(|n| *n > 0.0).map_or(1.5, |n| n.clamp(0.1, MAX_INDEX)),
+    }
+}
+
+/// Absorption coefficient of which the attenuation colour is left after the attenuation distance. Blender's is (1 − colour)
+/// times the density, and its exporter writes the colour as it is, and the density as a distance.
+fn absorption(volume: &gltf::material::Volume, blender: bool) -> Rgb {
     let color = Rgb::from(volume.attenuation_color()).clamp(Rgb::splat(f32::MIN_POSITIVE), Rgb::ONE);
     let distance = volume.attenuation_distance();
     if distance.is_nan() || distance <= 0.0 {
         return Rgb::ZERO;
     }
-    (-color.ln() / distance).clamp(Rgb::ZERO, Rgb::splat(f32::MAX))
+    let per_distance = if blender { Rgb::ONE - color } else { -color.ln() };
+    (per_distance / distance).clamp(Rgb::ZERO, Rgb::splat(f32::MAX))
 }

@@ -1,7 +1,7 @@
 //! glTF materials and textures.
 
 use super::Builder;
-use super::glass::Opaque;
+use super::glass::{self, Opaque};
 use super::texture::{Channel, Reference};
 use crate::scene::load::error::FileError;
 use crate::scene::{AreaEmitter, ColorTexture, FloatTexture, Material, MaterialId, Rgb, TextureId};
@@ -12,8 +12,20 @@ use gltf::material::AlphaMode;
 pub struct Made {
     pub id: MaterialId,
     pub emitter: Option<AreaEmitter>,
+    /// How its back shines, if it does.
+    pub back: Option<Back>,
     /// Sets of texture coordinates that its textures use, at most two.
     pub uv_sets: Vec<u32>,
+}
+
+/// The back of a lamp that shines on both sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Back {
+    /// Of a surface without holes: the inside of a closed one is not seen.
+    Whole,
+    /// Of a surface with holes, whose material is there from the front alone, so that two sheets let as much light through
+    /// as one.
+    Pierced,
 }
 
 /// What of a mesh a material depends on.
@@ -33,8 +45,13 @@ impl Builder<'_> {
             return Ok(done.clone());
         }
         let mut uv_sets = Vec::new();
-        let (id, emitter) = self.make(source, on, &mut uv_sets)?;
-        let made = Made { id, emitter, uv_sets };
+        let made = match self.blenders_own(source) {
+            Some(id) => Made { id, emitter: None, back: None, uv_sets },
+            None => {
+                let (id, emitter, back) = self.make(source, on, &mut uv_sets)?;
+                Made { id, emitter, back, uv_sets }
+            }
+        };
         self.materials.insert(key, made.clone());
         Ok(made)
     }
@@ -56,6 +73,13 @@ impl Builder<'_> {
             Some((texture, scale)) => self.push(Material::NormalMap { texture, scale, raised: true, inner }, source),
             None => inner,
         }
+    }
+
+    /// A surface under its normal map, the same on both sides.
+    fn opaque(&mut self, surface: Material, normal: Option<(TextureId, f32)>, source: &gltf::Material) -> MaterialId {
+        let surface = self.push(surface, source);
+        let surface = self.bent(surface, normal, source);
+        self.both_sides(surface, source)
     }
 
     /// Culled backs have no meaning where light travels everywhere: both sides are drawn.
@@ -82,7 +106,7 @@ impl Builder<'_> {
         source: &gltf::Material,
         on: On,
         uv_sets: &mut Vec<u32>,
-    ) -> Result<(MaterialId, Option<AreaEmitter>), FileError> {
+    ) -> Result<(MaterialId, Option<AreaEmitter>, Option<Back>), FileError> {
         // The first set of texture coordinates gives the tangents: the normal map comes first.
         let normal = match source.normal_texture() {
             Some(map) => Some((self.texture(&Reference::normal(&map), Channel::Normal, uv_sets)?, map.scale())),
@@ -105,23 +129,42 @@ impl Builder<'_> {
             let roughness = self.scaled(pbr.roughness_factor(), surface.as_ref(), Channel::Linear(1), uv_sets)?;
             let metallic = self.scaled(pbr.metallic_factor(), surface.as_ref(), Channel::Linear(2), uv_sets)?;
             let (f0, specular) = self.fresnel(source, uv_sets)?;
-            let opaque = Material::MetallicRoughness { base_color, metallic, roughness, f0, specular };
-            let opaque = self.push(opaque, source);
-            let opaque = self.bent(opaque, normal, source);
-            let mut id = self.both_sides(opaque, source);
+            let layered = self.blender.then(|| glass::index(source));
+            let surface =
+                |metallic| Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layered };
+            let mut id = self.opaque(surface(metallic), normal, source);
             if let Some(transmission) = source.transmission() {
                 let texture = transmission.transmission_texture().map(|t| Reference::info(&t));
                 let factor = transmission.transmission_factor();
                 let weight = self.scaled(factor, texture.as_ref(), Channel::Linear(0), uv_sets)?;
-                let opaque = Opaque { id, normal, base_color, metallic, roughness, solid: on.solid };
+                let metal = match metallic {
+                    FloatTexture::Constant(m) if m <= 0.0 => None,
+                    _ => Some(self.opaque(surface(FloatTexture::Constant(1.0)), normal, source)),
+                };
+                let opaque = Opaque { id, metal, normal, base_color, metallic, roughness, solid: on.solid };
                 id = self.glass(source, &opaque, weight);
             }
             (self.coated(id, source, uv_sets)?, self.emission(source, uv_sets)?)
         };
+        // Cycles knows no culling.
+        let mut back = (emitter.is_some() && (source.double_sided() || self.blender)).then_some(Back::Whole);
         if let Some(opacity) = self.opacity(source, alpha, base.as_ref(), on.painted, uv_sets)? {
             id = self.push(Material::Mask { opacity, inner: id }, source);
+            if back.is_some() {
+                back = Some(Back::Pierced);
+                id = self.push(Material::FrontAlone { inner: id }, source);
+            }
         }
-        Ok((id, emitter))
+        Ok((id, emitter, back))
+    }
+
+    /// What Cycles gives surfaces without a material. (That of glTF is a rough white metal.)
+    fn blenders_own(&mut self, source: &gltf::Material) -> Option<MaterialId> {
+        (self.blender && source.index().is_none()).then(|| {
+            let reflectance = ColorTexture::Constant(Rgb::splat(0.8));
+            let grey = self.push(Material::Diffuse { reflectance }, source);
+            self.both_sides(grey, source)
+        })
     }
 
     /// KHR_materials_unlit: a surface that shows its colour whatever light falls on it shines with it.

@@ -271,8 +271,7 @@ impl<'a> Builder<'a> {
             if geometry.triangles.is_empty() {
                 continue;
             }
-            let lamp = made.emitter.is_some() && primitive.material().double_sided();
-            let back = if lamp { sides::behind(&geometry) } else { None };
+            let back = made.back.and_then(|back| sides::behind(&geometry, back));
             for mesh in std::iter::once(geometry).chain(back) {
                 let geometry = Geometry::Mesh(mesh);
                 shapes.push(Shape { geometry, material: made.id, emitter: made.emitter.clone() });

@@ -1,8 +1,10 @@
 //! Lamps that shine on both sides.
 //!
 //! Emitters of this crate have one bright side. A double-sided glTF lamp, Blender's default, becomes two sheets back to
-//! back, the second behind the first by so little that nothing fits between them.
+//! back, the second behind the first by so little that nothing fits between them. Sheets with holes are there from the front
+//! alone ([`crate::scene::Material::FrontAlone`]): else both would take their share of what passes.
 
+use super::material::Back;
 use crate::scene::Mesh;
 use crate::scene::load::mesh::smooth_normals;
 use glam::Vec3;
@@ -11,9 +13,9 @@ use std::collections::HashMap;
 /// Distance of the sheets in lengths of the mesh's diagonal.
 const GAP: f32 = 1e-4;
 
-/// The sheet behind an open mesh, facing the other way; `None` for a closed one, whose inside nobody sees.
-pub fn behind(mesh: &Mesh) -> Option<Mesh> {
-    if is_closed([mesh]) {
+/// The sheet behind a mesh, facing the other way; `None` for a closed one without holes, whose inside nobody sees.
+pub fn behind(mesh: &Mesh, back: Back) -> Option<Mesh> {
+    if back == Back::Whole && is_closed([mesh]) {
         return None;
     }
     let bounds = mesh.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));

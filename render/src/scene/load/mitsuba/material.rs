@@ -259,6 +259,6 @@ impl Builder<'_> {
         let roughness = self.number_in(object, "roughness", 0.5, 0.0..=1.0)?;
         let f0 = ColorTexture::Constant(Rgb::splat(0.08 * object.number_or("specular", 0.5)? as f32));
         let specular = FloatTexture::Constant(1.0);
-        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, specular })
+        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layered: None })
     }
 }
