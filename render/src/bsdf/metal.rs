@@ -244,13 +244,14 @@ mod tests {
         assert!(worst < 0.03 && rms < 0.02, "{worst} {rms}");
     }
 
-    /// What caching takes layered facets for against what they are: in the sum over light from everywhere within 1 %, and in the
-    /// mean square over the facets that a view shows within 4 % of it.
+    /// What caching takes layered facets for against what they are: in the sum over light from everywhere within .5 %; in the
+    /// mean square over the facets that a view shows within 13 % of it for rough plastic, whose facets reflect a twentieth,
+    /// within 1 % where half is metal.
     #[test]
     fn layered_facets_in_a_cache() {
         let table = FacetTable::new(1.5);
         let dielectric = Schlick { f0: Rgb::splat(0.04), f90: Rgb::ONE };
-        let (mut worst_sum, mut worst_rms) = (0f32, 0f32);
+        let (mut worst_sum, mut worst_rms) = (0f32, [0f32; 2]);
         for (metallic, roughness) in [(0.0, 0.25), (0.0, 0.7), (0.5, 0.5), (1.0, 0.3), (1.0, 1.0)] {
             for cos in [0.2f32, 0.5, 0.8, 1.0] {
                 let color = Rgb::new(0.9, 0.6, 0.2);
@@ -276,9 +277,9 @@ mod tests {
                     cached / exact - 1.0
                 );
                 worst_sum = worst_sum.max((cached / exact - 1.0).abs());
-                worst_rms = worst_rms.max(rms);
+                worst_rms[usize::from(metallic > 0.0)] = worst_rms[usize::from(metallic > 0.0)].max(rms);
             }
         }
-        assert!(worst_sum < 0.01 && worst_rms < 0.04, "{worst_sum} {worst_rms}");
+        assert!(worst_sum < 0.005 && worst_rms[0] < 0.13 && worst_rms[1] < 0.01, "{worst_sum} {worst_rms:?}");
     }
 }
