@@ -56,8 +56,13 @@ impl LightBounds {
     #[inline]
     fn importance(&self, receiver: &Receiver) -> f32 {
         let from_light = receiver.p - self.center();
+        // The sphere below reaches over the horizon of a wall that a window is a part of; the box does not.
+        let half = 0.5 * (self.max - self.min);
+        if receiver.one_sided && receiver.normal.abs().dot(half) <= receiver.normal.dot(from_light) {
+            return 0.0;
+        }
         let distance2 = from_light.length_squared();
-        let radius2 = 0.25 * (self.max - self.min).length_squared();
+        let radius2 = half.length_squared();
         let direction = from_light / distance2.sqrt().max(f32::MIN_POSITIVE);
         // Half angle of the bounding sphere as the receiver sees it.
         let (sin_b, cos_b) = if distance2 <= radius2 {
@@ -296,6 +301,17 @@ mod tests {
                 assert!((count as f32 - expected).abs() <= 2.0 + 1e-3 * expected, "{i}: {count} {expected}");
             }
         }
+    }
+
+    /// A window in the wall that is lit, beside a lamp in front of it: what lies in the plane of a surface is never chosen.
+    #[test]
+    fn lights_below_the_horizon_are_not_chosen() {
+        let window = LightBounds::new(Vec3A::new(-1.0, -1.0, 0.0), Vec3A::new(1.0, 1.0, 0.0), 1e3, Vec3A::Z, 1.0, 0.0);
+        let lamp = LightBounds::at_point(Vec3A::new(0.0, 0.0, 3.0), 1.0, Vec3A::Z, -1.0, 0.0);
+        let tree = LightTree::new(&[window, lamp]);
+        let at = |one_sided| Receiver { p: Vec3A::new(1.5, 0.0, 0.0), normal: Vec3A::Z, one_sided };
+        assert_eq!(tree.probability(&at(true), 1), 1.0);
+        assert!(tree.probability(&at(false), 1) < 0.1);
     }
 
     #[test]
