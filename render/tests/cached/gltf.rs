@@ -13,7 +13,7 @@ use render::integrator::cached::policy::{Allowed, Policy, outlook, specular};
 use render::integrator::cached::{Settings, render_cached};
 use render::record::eas::{EasRecord, Estimator};
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
-use render::record::{Albedo, Centroid, CutSettings, Reflector, Tree, cut, hemisphere_directions};
+use render::record::{Albedo, Centroid, CutSettings, Record, Reflector, Tree, cut, hemisphere_directions};
 use render::scene::{ColorTexture, FloatTexture, Material, TextureId, load};
 use render::world::World;
 
@@ -145,7 +145,7 @@ fn a_furnished_room_shines_from_records() {
         assert!(!caches.irradiance.records().is_empty(), "{allowed:?}: the walls have records");
         if allowed == Allowed::Auto {
             for name in ["floor", "oak", "chair", "steel"] {
-                let records = caches.eas.records().iter().filter(|r| r.material == id(name)).count();
+                let records = caches.eas.records().iter().filter(|r| r.zone().material == id(name)).count();
                 assert!(records > 0, "no record on {name}");
             }
             let said = |text: &str| policy.notes.iter().any(|n| n == text);

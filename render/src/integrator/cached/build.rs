@@ -181,7 +181,7 @@ impl<'a> Builder<'a> {
                 let Treatment::Eas { .. } = self.treatment(p) else { return true };
                 let mut best = 0f32;
                 cache.interpolate(p.at.p, p.hemisphere_normal(), quality.weight, |r, w| {
-                    if r.material == p.material.0 {
+                    if r.zone().material == p.material.0 {
                         best = best.max(w);
                     }
                 });

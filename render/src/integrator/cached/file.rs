@@ -8,11 +8,10 @@ use super::Settings;
 use super::caches::Caches;
 use super::policy::Policy;
 use crate::cache::Spacing;
-use crate::frame::Frame;
-use crate::record::Record;
 use crate::record::eas::{Eas, EasRecord, Estimator};
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::IrradianceRecord;
+use crate::record::{Record, Zone};
 use crate::scene::checksum::{Checksums, Hash};
 use crate::world::World;
 use fitter::command::output::{self, OutputError};
@@ -136,7 +135,7 @@ pub fn save(
         let (p, n, b) = (record.position(), record.normal(), record.background);
         let words = [p.x, p.y, p.z, n.x, n.y, n.z, record.radius(), b.x, b.y, b.z];
         words.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
-        bytes.extend(record.material.to_le_bytes());
+        bytes.extend(record.zone().material.to_le_bytes());
         bytes.extend((record.sources.len() as u32).to_le_bytes());
         record.sources.iter().for_each(|s| bytes.extend(s.to_bytes()));
     }
@@ -144,7 +143,7 @@ pub fn save(
         let vectors = core::iter::once(record.position()).chain(record.frame().axes());
         vectors.flat_map(|v| v.to_array()).for_each(|x| bytes.extend(x.to_le_bytes()));
         bytes.extend(record.radius().to_le_bytes());
-        let counts = [record.material, record.order() as u32, record.numbers().len() as u32];
+        let counts = [record.zone().material, record.order() as u32, record.numbers().len() as u32];
         counts.into_iter().for_each(|x| bytes.extend(x.to_le_bytes()));
         record.numbers().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     }
@@ -274,7 +273,11 @@ impl<'a> Reader<'a> {
         let sources = bytes.chunks_exact(size_of::<Eas>()).map(|b| Eas::from_bytes(b.try_into().expect("40 bytes")));
         let sources: Option<Box<[Eas]>> = sources.collect();
         let sources = sources.ok_or(CacheFileError::Format("a number is not finite"))?;
-        Ok(EasRecord::restored([px, py, pz], [nx, ny, nz], radius, material, [r, g, b], sources))
+        Ok(EasRecord::restored(
+            Zone { position: Vec3A::new(px, py, pz), normal: Vec3A::new(nx, ny, nz), radius, material },
+            Vec3A::new(r, g, b),
+            sources,
+        ))
     }
 
     fn harmonics(&mut self, materials: u32) -> Result<HarmonicsRecord, CacheFileError> {
@@ -291,8 +294,8 @@ impl<'a> Reader<'a> {
             return Err(CacheFileError::Format("a number is not finite"));
         }
         let vector = |i: usize| Vec3A::from_slice(&vectors[3 * i..]);
-        let frame = Frame::from_axes(vector(1), vector(2), vector(3));
-        HarmonicsRecord::restored(vector(0), frame, radius, material, order, numbers)
+        let zone = Zone { position: vector(0), normal: vector(3), radius, material };
+        HarmonicsRecord::restored(zone, [vector(1), vector(2)], order, numbers)
             .ok_or(CacheFileError::Format("a record of no order"))
     }
 }

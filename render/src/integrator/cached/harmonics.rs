@@ -10,7 +10,7 @@ use crate::cache::{Cache, RadiusPolicy, Weight};
 use crate::frame::Frame;
 use crate::record::eas::mean_radiance;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
-use crate::record::{Receiver, Reflected, Scratch, View};
+use crate::record::{Receiver, Record, Reflected, Scratch, View};
 use crate::world::Counts;
 use glam::Vec3A;
 use std::time::Instant;
@@ -34,7 +34,7 @@ impl Builder<'_> {
                 }
                 let mut best = 0f32;
                 cache.interpolate(p.at.p, p.hemisphere_normal(), weight, |r, w| {
-                    if r.material == p.material.0 {
+                    if r.zone().material == p.material.0 {
                         best = best.max(w);
                     }
                 });
@@ -98,7 +98,7 @@ impl Shader<'_> {
         }
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
         self.caches.harmonics.interpolate(at.position, normal, self.quality.weight, |record, w| {
-            if record.material == material {
+            if record.zone().material == material {
                 let part = reader.read(record, at.position);
                 sum.irradiance += part.irradiance * w;
                 sum.specular += part.specular * w;

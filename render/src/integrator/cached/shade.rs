@@ -13,7 +13,7 @@ use crate::integrator::Radiance;
 use crate::light::Lights;
 use crate::ray::Ray;
 use crate::record::eas::mean_radiance;
-use crate::record::{Receiver, Reflected, Reflector, Scratch, reflect};
+use crate::record::{Receiver, Record, Reflected, Reflector, Scratch, reflect};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::{Queries, World};
@@ -301,7 +301,7 @@ impl Shader<'_> {
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
         // `sum.trust` is the weight of the specular sum.
         self.caches.eas.interpolate(at.position, normal, self.quality.weight, |record, w| {
-            if record.material == s.point.material.0 {
+            if record.zone().material == s.point.material.0 {
                 let part = reflect(record, at, &reflector, &lobe.albedo, self.quality.estimator, scratch);
                 sum.irradiance += part.irradiance * w;
                 sum.specular += part.specular * (w * part.trust);

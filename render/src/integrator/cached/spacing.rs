@@ -61,7 +61,7 @@ impl Builder<'_> {
     pub(super) fn eas_disagreeing(&self, cache: &Cache<EasRecord>, i: usize) -> Vec<Shrink> {
         let policy = self.quality.eas;
         self.disagreeing(cache, i, (self.quality.weight, policy), |point, record| {
-            let same = record.material == point.material.0;
+            let same = record.zone().material == point.material.0;
             same.then(|| self.eas_light(record, point, point.at.p)).flatten()
         })
     }
@@ -78,7 +78,7 @@ impl Builder<'_> {
                 scratch.harmonics.look(brdf, &at);
                 scratch.harmonics.read(record, at.position)
             });
-            (record.material == point.material.0)
+            (record.zone().material == point.material.0)
                 .then(|| parts.diffuse * mean_radiance(found.irradiance) + brdf.color(&parts, at.wo) * found.specular)
         })
     }
