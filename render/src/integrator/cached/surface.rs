@@ -7,7 +7,8 @@ use glam::Vec3A;
 /// Cosine between normals that are shaded as one (2.6°): a bump that turns more has its own highlight.
 const SAME_NORMAL: f32 = 0.999;
 
-/// Cosine between views that are shaded as one without a lens (8°): a pixel of an ordinary camera never spans more, its mirrors may.
+/// Cosine between views that are shaded as one without a lens (8°): a pixel of an ordinary camera never spans more, its
+/// mirrors may.
 const SAME_VIEW: f32 = 0.99;
 
 /// Distance between samples that are shaded as one, in widths of a pixel: seen at a grazing angle, a pixel is long.

@@ -36,7 +36,8 @@ pub struct Harmonics {
 
 impl GlossyKind for Harmonics {
     const NAME: &'static str = "sh";
-    const ABOUT: &'static str = "Radiance caching with harmonics on every glossy surface that they can hold, irradiance records on diffuse ones";
+    const ABOUT: &'static str = "Radiance caching with harmonics on every glossy surface that they can hold, irradiance records \
+                                on diffuse ones";
     const MEAN_KEY: &'static str = "order_mean";
     const TABLES: bool = false;
     const SALT: u64 = 4;
