@@ -32,6 +32,7 @@ impl Frame {
     }
 
     /// The frame of these orthonormal axes; z is the normal. They are not checked.
+    #[inline]
     pub fn from_axes(x: Vec3A, y: Vec3A, z: Vec3A) -> Self {
         Self { axes: Mat3A::from_cols(x, y, z) }
     }

@@ -6,6 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use render::cache::Spacing;
 use render::film::Budget;
 use render::integrator::cached::file::{from_bytes, save};
+use render::integrator::cached::kinds::COUNT;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Caches, Settings, TOLERANCE, render_cached};
 use render::record::eas::Estimator;
@@ -16,7 +17,7 @@ use render::world::World;
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// A method with what its files begin with: all but the four counts of records that end the header.
+/// A method with what its files begin with: all but the counts of records that end the header.
 struct Method {
     policy: Policy,
     prefix: Vec<u8>,
@@ -24,8 +25,8 @@ struct Method {
 
 /// Place of the method's checksum in a file.
 const METHOD: std::ops::Range<usize> = 40..48;
-/// Bytes of the counts.
-const COUNTS: usize = 32;
+/// Bytes of the counts: coarse and other irradiance records, then each kind.
+const COUNTS: usize = 8 * (2 + COUNT);
 
 static WORLD: LazyLock<World> = LazyLock::new(|| {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes/cornell-glossy.xml");

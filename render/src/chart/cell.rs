@@ -127,12 +127,11 @@ pub fn run(
 fn note_caches(row: &mut Row, figures: &Figures) {
     (row.fill, row.shade) = (figures.fill.as_secs_f64(), figures.shade.as_secs_f64());
     row.tau = f64::from(figures.tolerance);
-    let glossy = figures.eas_records + figures.harmonics_records;
-    row.records = (glossy + figures.irradiance_records) as u64;
-    row.glossy_records = glossy as u64;
-    let per_record = |x: usize| x as f64 / glossy.max(1) as f64;
-    row.size = per_record(figures.sources + figures.bands);
-    row.bytes_per_record = per_record(figures.eas_bytes + figures.harmonics_bytes);
+    let glossy = figures.all_glossy();
+    row.records = figures.records() as u64;
+    row.glossy_records = glossy.records as u64;
+    row.size = glossy.mean();
+    row.bytes_per_record = glossy.mean_bytes();
     // Before the picture was kept from it.
     row.negative = figures.negative_pixels as f64 / (f64::from(row.width) * f64::from(row.height)).max(1.0);
     row.bytes = figures.bytes as u64;

@@ -9,7 +9,6 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fitter::command::number::{number, whole};
 use render::integrator::cached::TOLERANCE;
-use render::integrator::cached::policy::Allowed;
 use render::record::harmonics::MAX_ORDER;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -191,7 +190,7 @@ struct Given {
 fn refuse_unused(plan: &Plan, given: Given) -> Result<()> {
     let cached = |m: &Method| matches!(m.engine, Engine::Cached(..));
     let tabled = |m: &Method| match m.engine {
-        Engine::Cached(allowed, ..) => matches!(allowed(Setting::Tau(TOLERANCE)), Allowed::Eas | Allowed::Auto),
+        Engine::Cached(allowed, ..) => allowed(Setting::Tau(TOLERANCE)).needs_tables(),
         Engine::Traced => false,
     };
     type Uses<'a> = &'a dyn Fn(&Method) -> bool;

@@ -1,9 +1,11 @@
 //! The command line: arguments, and one file per command.
 
+mod caching;
 mod chart;
 mod compare;
 mod image;
 mod info;
+mod job;
 mod lens;
 mod look;
 mod method;
@@ -11,6 +13,7 @@ mod options;
 mod outputs;
 mod probe;
 mod reading;
+mod stats;
 mod view;
 
 use anyhow::Result;

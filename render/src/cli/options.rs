@@ -3,46 +3,63 @@
 use super::image::Args;
 use super::method::Method;
 use anyhow::{Result, bail};
+use clap::ValueEnum;
+use render::integrator::cached::GlossyKind;
+use render::integrator::cached::kinds::{Eas, Harmonics};
 
 /// An option that not every method can use.
 struct Rule {
     option: &'static str,
     given: fn(&Args) -> bool,
-    methods: &'static [Method],
+    can: fn(Method) -> bool,
     /// Why the others cannot.
     why: &'static str,
 }
 
-/// Methods that keep records.
-const CACHED: &[Method] = &[Method::Auto, Method::Eas, Method::Sh, Method::Irradiance];
 const NO_RECORDS: &str = "path tracing keeps no records";
-/// Methods that keep equivalent area lights.
-const EAS: &[Method] = &[Method::Auto, Method::Eas];
 const NO_EAS: &str = "the others keep no equivalent area lights";
-const SH: &[Method] = &[Method::Sh];
 const NO_HARMONICS: &str = "the others keep no harmonics";
 
+/// Methods that keep records.
+fn cached(method: Method) -> bool {
+    method != Method::Path
+}
+
+/// Methods that keep equivalent area lights.
+fn eas(method: Method) -> bool {
+    method == Method::Auto || method.is_kind(Eas::NAME)
+}
+
+fn harmonics(method: Method) -> bool {
+    method.is_kind(Harmonics::NAME)
+}
+
+/// Methods that look anything up in tables.
+fn tabled(method: Method) -> bool {
+    method.allowed(1.0).is_some_and(|allowed| allowed.needs_tables())
+}
+
 const RULES: &[Rule] = &[
-    Rule { option: "--tau", given: |a| a.tau.is_some(), methods: CACHED, why: NO_RECORDS },
-    Rule { option: "--cache", given: |a| a.cache.is_some(), methods: CACHED, why: NO_RECORDS },
-    Rule { option: "--radius", given: |a| a.radius.is_some(), methods: CACHED, why: NO_RECORDS },
-    Rule { option: "--adaptive", given: |a| a.adaptive.is_some(), methods: CACHED, why: NO_RECORDS },
-    Rule { option: "--show-records", given: |a| a.show_records.is_some(), methods: CACHED, why: NO_RECORDS },
-    Rule { option: "--eas", given: |a| a.eas.is_some(), methods: EAS, why: NO_EAS },
-    Rule { option: "--sources", given: |a| a.sources.is_some(), methods: EAS, why: NO_EAS },
+    Rule { option: "--tau", given: |a| a.tau.is_some(), can: cached, why: NO_RECORDS },
+    Rule { option: "--cache", given: |a| a.cache.is_some(), can: cached, why: NO_RECORDS },
+    Rule { option: "--radius", given: |a| a.radius.is_some(), can: cached, why: NO_RECORDS },
+    Rule { option: "--adaptive", given: |a| a.adaptive.is_some(), can: cached, why: NO_RECORDS },
+    Rule { option: "--show-records", given: |a| a.show_records.is_some(), can: cached, why: NO_RECORDS },
+    Rule { option: "--eas", given: |a| a.eas.is_some(), can: eas, why: NO_EAS },
+    Rule { option: "--sources", given: |a| a.sources.is_some(), can: eas, why: NO_EAS },
     Rule {
         option: "--tables",
         given: |a| a.tables.is_some(),
-        methods: EAS,
+        can: tabled,
         why: "the others look nothing up in tables",
     },
-    Rule { option: "--order", given: |a| a.order.is_some(), methods: SH, why: NO_HARMONICS },
-    Rule { option: "--gradients", given: |a| a.gradients.is_some(), methods: SH, why: NO_HARMONICS },
-    Rule { option: "--basis", given: |a| a.basis.is_some(), methods: SH, why: NO_HARMONICS },
+    Rule { option: "--order", given: |a| a.order.is_some(), can: harmonics, why: NO_HARMONICS },
+    Rule { option: "--gradients", given: |a| a.gradients.is_some(), can: harmonics, why: NO_HARMONICS },
+    Rule { option: "--basis", given: |a| a.basis.is_some(), can: harmonics, why: NO_HARMONICS },
     Rule {
         option: "--error",
         given: |a| a.error.is_some(),
-        methods: &[Method::Path],
+        can: |method| method == Method::Path,
         why: "a cached picture does not know its error",
     },
 ];
@@ -52,17 +69,17 @@ const RULES: &[Rule] = &[
 /// # Errors
 /// The first such option.
 pub(super) fn check(args: &Args) -> Result<()> {
-    for Rule { option, given, methods, why } in RULES {
-        if given(args) && !methods.contains(&args.method) {
-            bail!("{option} needs --method {}: {why}", listed(methods));
+    for Rule { option, given, can, why } in RULES {
+        if given(args) && !can(args.method) {
+            bail!("{option} needs --method {}: {why}", listed(*can));
         }
     }
     Ok(())
 }
 
 /// `a, b or c`.
-fn listed(methods: &[Method]) -> String {
-    let names: Vec<_> = methods.iter().map(|m| m.name()).collect();
+fn listed(can: fn(Method) -> bool) -> String {
+    let names: Vec<_> = Method::value_variants().iter().filter(|m| can(**m)).map(|m| m.name()).collect();
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => names.concat(),

@@ -1,14 +1,15 @@
 //! The files of `render image`: looked at before the work begins, and every one of them tried at its end.
 
-use super::image::{Args, Stats};
+use super::image::Args;
+use super::job::Job;
+use super::stats::Stats;
 use anyhow::{Result, bail};
 use fitter::command::output::{self, Outputs};
 use render::film::Picture;
-use render::image::{Format, Look, write_picture, write_png};
+use render::image::{Format, write_picture, write_png};
 use render::inspect::overlay::show_records;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Caches, Settings, file};
-use render::world::World;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -47,14 +48,14 @@ pub(super) struct Records {
 /// All files that could not be written.
 pub(super) fn write(
     args: &Args,
-    world: &World,
+    job: &Job,
     picture: &Picture,
-    look: &Look,
     records: Option<&Records>,
     stats: &mut Stats,
     start: Instant,
 ) -> Result<()> {
     let writing = Instant::now();
+    let Job { world, look, .. } = job;
     let mut failures = Vec::new();
     let mut tried = |path: &Path, result: Result<()>| {
         if let Err(error) = result {

@@ -3,10 +3,12 @@
 use crate::camera::RayGenerator;
 use crate::frame::Frame;
 use crate::image::Image;
-use crate::integrator::cached::Caches;
+use crate::integrator::cached::kinds::{self, GlossyCaches};
+use crate::integrator::cached::{Caches, EachKind, Listed};
 use crate::ray::Ray;
 use crate::record::Record;
 use crate::world::World;
+use core::convert::Infallible;
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3A};
 
@@ -25,9 +27,23 @@ pub fn show_records(image: &Image, world: &World, caches: &Caches) -> Image {
     let mut out = Overlay { image: image.clone(), camera: RayGenerator::new(&world.scene.camera), world };
     caches.coarse.records().iter().for_each(|r| out.record(r, COARSE));
     caches.irradiance.records().iter().for_each(|r| out.record(r, IRRADIANCE));
-    caches.eas.records().iter().for_each(|r| out.record(r, GLOSSY));
-    caches.harmonics.records().iter().for_each(|r| out.record(r, GLOSSY));
+    let Ok(()) = kinds::each(&mut Glossy { out: &mut out, caches: &caches.glossy });
     out.image
+}
+
+/// Draws the records of every kind.
+struct Glossy<'a, 'b> {
+    out: &'a mut Overlay<'b>,
+    caches: &'a GlossyCaches,
+}
+
+impl EachKind for Glossy<'_, '_> {
+    type Error = Infallible;
+
+    fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        K::cache(self.caches).records().iter().for_each(|r| self.out.record(r, GLOSSY));
+        Ok(())
+    }
 }
 
 struct Overlay<'a> {

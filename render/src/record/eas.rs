@@ -1,6 +1,6 @@
 //! A record of equivalent area light sources (eas-2015, §3.2).
 
-use super::{Cut, Record, Tree};
+use super::{Cut, Record, Tree, Zone};
 use crate::frame::Frame;
 use crate::scene::Rgb;
 use brdf_tables::cap::projected_solid_angle;
@@ -72,11 +72,7 @@ impl Eas {
 /// All sources of one point.
 #[derive(Clone, Debug)]
 pub struct EasRecord {
-    position: Vec3A,
-    normal: Vec3A,
-    radius: f32,
-    /// Material it was made for: an index the caller chooses.
-    pub material: u32,
+    zone: Zone,
     /// Radiance that is everywhere, taken out of the sources.
     pub background: Rgb,
     /// The sources.
@@ -133,20 +129,12 @@ impl EasRecord {
                 }
             })
             .collect();
-        Self { position, normal: frame.normal(), radius: 0.0, material, background, sources }
+        Self { zone: Zone::at(position, frame, material), background, sources }
     }
 
     /// A record as a file holds it.
-    pub fn restored(
-        position: [f32; 3],
-        normal: [f32; 3],
-        radius: f32,
-        material: u32,
-        background: [f32; 3],
-        sources: Box<[Eas]>,
-    ) -> Self {
-        let [position, normal, background] = [position, normal, background].map(Vec3A::from_array);
-        Self { position, normal, radius, material, background, sources }
+    pub fn restored(zone: Zone, background: Rgb, sources: Box<[Eas]>) -> Self {
+        Self { zone, background, sources }
     }
 
     /// Irradiance at the record, W·m⁻².
@@ -154,7 +142,7 @@ impl EasRecord {
         let of = |s: &Eas| match estimator {
             Estimator::Paper => Rgb::from_array(s.light),
             Estimator::Improved => {
-                let z = self.normal.dot(Vec3A::from_array(s.direction)).max(0.0);
+                let z = self.zone.normal.dot(Vec3A::from_array(s.direction)).max(0.0);
                 Rgb::from_array(s.light) * projected_solid_angle(z, (s.solid_angle / TAU).min(1.0))
             }
         };
@@ -208,25 +196,18 @@ pub(super) fn unpack_normal<T: Real>(u: T, v: T) -> [T; 3] {
 }
 
 impl Record for EasRecord {
-    fn position(&self) -> Vec3A {
-        self.position
+    fn zone(&self) -> &Zone {
+        &self.zone
     }
-    fn normal(&self) -> Vec3A {
-        self.normal
-    }
-    fn radius(&self) -> f32 {
-        self.radius
-    }
-    fn set_radius(&mut self, radius: f32) {
-        self.radius = radius;
+    fn zone_mut(&mut self) -> &mut Zone {
+        &mut self.zone
     }
     fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&*self.sources)
     }
     fn is_finite(&self) -> bool {
         let of = |s: &Eas| [s.inv_distance, s.solid_angle, s.factor].into_iter().chain(s.direction).chain(s.light);
-        let vectors = [self.position, self.normal, self.background];
-        vectors.iter().all(|v| v.is_finite()) && self.sources.iter().all(|s| of(s).all(f32::is_finite))
+        self.zone.is_finite() && self.background.is_finite() && self.sources.iter().all(|s| of(s).all(f32::is_finite))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A record of irradiance with its gradients (Ward et al. 1988, Ward and Heckbert 1992), for diffuse surfaces.
 
-use super::{Hessian, Record, luminance};
+use super::{Hessian, Record, Zone, luminance};
 use crate::frame::Frame;
 use crate::gather::Incident;
 use crate::scene::Rgb;
@@ -10,9 +10,7 @@ use glam::{Vec2, Vec3A};
 /// Irradiance at a point and how it changes, W·m⁻² and W·m⁻² per unit of length or radian.
 #[derive(Clone, Copy, Debug)]
 pub struct IrradianceRecord {
-    position: Vec3A,
-    normal: Vec3A,
-    radius: f32,
+    zone: Zone,
     /// E.
     pub irradiance: Rgb,
     /// ∇ₜE, per channel, world space.
@@ -96,9 +94,7 @@ impl IrradianceRecord {
             }
         }
         let record = Self {
-            position,
-            normal: frame.normal(),
-            radius: 0.0,
+            zone: Zone::at(position, frame, Zone::ANY),
             irradiance: irradiance * share,
             translation: translation_gradient(&light, strata).map(|g| frame.to_world(g)),
             rotation: rotation.map(|g| frame.to_world(g * share)),
@@ -109,28 +105,26 @@ impl IrradianceRecord {
     /// E at another point and normal, to first order, never negative.
     #[inline]
     pub fn at(&self, position: Vec3A, normal: Vec3A) -> Rgb {
-        let (moved, turned) = (position - self.position, self.normal.cross(normal));
+        let (moved, turned) = (position - self.zone.position, self.zone.normal.cross(normal));
         let channel = |c: usize| self.irradiance[c] + moved.dot(self.translation[c]) + turned.dot(self.rotation[c]);
         Rgb::new(channel(0), channel(1), channel(2)).max(Rgb::ZERO)
     }
 
     /// All that the record holds, for a file.
     pub fn to_numbers(&self) -> [f32; 28] {
-        let vectors = [self.position, self.normal, self.irradiance].into_iter();
+        let vectors = [self.zone.position, self.zone.normal, self.irradiance].into_iter();
         let mut numbers = vectors.chain(self.translation).chain(self.rotation).flat_map(|v| v.to_array());
-        core::array::from_fn(|i| if i == 27 { self.radius } else { numbers.next().unwrap_or(0.0) })
+        core::array::from_fn(|i| if i == 27 { self.zone.radius } else { numbers.next().unwrap_or(0.0) })
     }
 
     /// Inverse of [`IrradianceRecord::to_numbers`].
     pub fn from_numbers(numbers: [f32; 28]) -> Self {
         let v = |i: usize| Vec3A::from_slice(&numbers[3 * i..3 * i + 3]);
         Self {
-            position: v(0),
-            normal: v(1),
+            zone: Zone { position: v(0), normal: v(1), radius: numbers[27], material: Zone::ANY },
             irradiance: v(2),
             translation: [v(3), v(4), v(5)],
             rotation: [v(6), v(7), v(8)],
-            radius: numbers[27],
         }
     }
 
@@ -183,24 +177,18 @@ fn translation_gradient(light: &[(Rgb, f32)], Strata { rings, sectors }: Strata)
 }
 
 impl Record for IrradianceRecord {
-    fn position(&self) -> Vec3A {
-        self.position
+    fn zone(&self) -> &Zone {
+        &self.zone
     }
-    fn normal(&self) -> Vec3A {
-        self.normal
-    }
-    fn radius(&self) -> f32 {
-        self.radius
-    }
-    fn set_radius(&mut self, radius: f32) {
-        self.radius = radius;
+    fn zone_mut(&mut self) -> &mut Zone {
+        &mut self.zone
     }
     fn bytes(&self) -> usize {
         size_of::<Self>()
     }
     fn is_finite(&self) -> bool {
-        let vectors = [self.position, self.normal, self.irradiance];
-        vectors.iter().chain(&self.translation).chain(&self.rotation).all(|v| v.is_finite())
+        self.zone.is_finite()
+            && [self.irradiance].iter().chain(&self.translation).chain(&self.rotation).all(|v| v.is_finite())
     }
 }
 

@@ -41,8 +41,6 @@ pub struct Scratch {
     light: Vec<Rgb>,
     area: Vec<f32>,
     mean: Vec<f32>,
-    /// Functions to read harmonics with.
-    pub harmonics: super::harmonics::Reader,
 }
 
 /// Sources may cover the hemisphere so many times before their irradiance is scaled down.
@@ -126,7 +124,7 @@ pub fn reflect(
             }
         }
     }
-    let Scratch { caps, light, area, mean, .. } = scratch;
+    let Scratch { caps, light, area, mean } = scratch;
     mean.resize(caps.len(), 0.0);
     reflector.values(caps, at.wo, mean);
     let mut specular: Rgb = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();

@@ -31,7 +31,7 @@ fn failure_scenes_stay_within_what_was_measured() {
         println!(
             "{name}: rel_mse {error:.4}, bias {:.2} %, {} EAS and {} irradiance records",
             100.0 * bias,
-            figures.eas_records,
+            figures.glossy.eas.records,
             figures.irradiance_records
         );
         let bound = WORSE.iter().find(|(n, _)| *n == name).map_or(BOUND, |w| w.1);

@@ -41,7 +41,7 @@ fn a_cache_file_gives_the_same_picture_and_serves_other_cameras() {
     let kept = load(&path, &here, &policy, &settings(), TAU).unwrap();
     assert!(kept.complete);
     let (again, same, caches) = render_cached(&here, &policy, &settings(), Some(kept), &|_| ());
-    assert_eq!((same.eas_records, same.bytes), (figures.eas_records, figures.bytes));
+    assert_eq!((same.glossy.eas.records, same.bytes), (figures.glossy.eas.records, figures.bytes));
     assert!(again.image().pixels == picture.image().pixels);
     save(&path, &here, &policy, &settings(), TAU, &caches).unwrap();
     assert!(std::fs::read(&path).unwrap() == bytes);
@@ -52,7 +52,7 @@ fn a_cache_file_gives_the_same_picture_and_serves_other_cameras() {
         let kept = load(&path, &moved, &policy, &settings(), TAU).unwrap();
         assert!(!kept.complete);
         let (_, more, _) = render_cached(&moved, &policy, &settings(), Some(kept), &|_| ());
-        let grown = more.eas_records as f64 / figures.eas_records as f64;
+        let grown = more.glossy.eas.records as f64 / figures.glossy.eas.records as f64;
         println!("records of a camera at {eye}: {grown:.2} times those of the first");
         assert!((1.0..most).contains(&grown), "{eye}: {grown}");
     }

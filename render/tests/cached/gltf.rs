@@ -13,7 +13,7 @@ use render::integrator::cached::policy::{Allowed, Policy, outlook, specular};
 use render::integrator::cached::{Settings, render_cached};
 use render::record::eas::{EasRecord, Estimator};
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
-use render::record::{Albedo, Centroid, CutSettings, Reflector, Tree, cut, hemisphere_directions};
+use render::record::{Albedo, Centroid, CutSettings, Record, Reflector, Tree, cut, hemisphere_directions};
 use render::scene::{ColorTexture, FloatTexture, Material, TextureId, load};
 use render::world::World;
 
@@ -138,15 +138,15 @@ fn a_furnished_room_shines_from_records() {
         println!(
             "{allowed:?}: rel_mse {error:.4}, bias {:.2} %, {} EAS, {} harmonic and {} irradiance records",
             100.0 * bias,
-            figures.eas_records,
-            figures.harmonics_records,
+            figures.glossy.eas.records,
+            figures.glossy.harmonics.records,
             figures.irradiance_records
         );
         assert!(error < 0.02 && bias.abs() < 0.02, "{allowed:?}: {error} {bias}");
         assert!(!caches.irradiance.records().is_empty(), "{allowed:?}: the walls have records");
         if allowed == Allowed::Auto {
             for name in ["floor", "oak", "chair", "steel"] {
-                let records = caches.eas.records().iter().filter(|r| r.material == id(name)).count();
+                let records = caches.glossy.eas.records().iter().filter(|r| r.zone().material == id(name)).count();
                 assert!(records > 0, "no record on {name}");
             }
             let said = |text: &str| policy.notes.iter().any(|n| n == text);

@@ -164,10 +164,10 @@ fn pictures_agree_with_the_path_tracer() {
         println!(
             "{basis:?}: rel_mse {error:.4}, bias {:.2} %, {} records of {} bytes",
             100.0 * bias,
-            figures.harmonics_records,
-            figures.harmonics_bytes / figures.harmonics_records.max(1)
+            figures.glossy.harmonics.records,
+            figures.glossy.harmonics.bytes / figures.glossy.harmonics.records.max(1)
         );
-        assert!(figures.harmonics_records > 50 && figures.eas_records == 0);
+        assert!(figures.glossy.harmonics.records > 50 && figures.glossy.eas.records == 0);
         assert!(error < 0.002 && bias.abs() < 0.02, "{basis:?}: {error} {bias}");
     }
 }
@@ -184,7 +184,7 @@ fn curved_and_coloured_materials_are_drawn_as_well_as_with_eas() {
             let allowed = Allowed::Harmonics(HarmonicsSettings::new(basis, Gradients::Analytic, 0.03, None));
             let (picture, figures) = cached(&world, allowed, 0.03, 32);
             let (error, bias) = compare(&picture, &reference);
-            let records = figures.harmonics_records;
+            let records = figures.glossy.harmonics.records;
             println!(
                 "{scene}, {basis:?}: rel_mse {error:.4}, bias {:.2} %, {records} records; EAS {eas:.4}, {:.2} %",
                 100.0 * bias,
@@ -238,14 +238,17 @@ fn the_policy_decides_by_the_error_of_the_brdf() {
         (cached(&world, Allowed::Harmonics(settings), 0.1, 2).1, policy.expect("no table is asked for").notes)
     };
     let (figures, notes) = decide("20", None);
-    assert!(figures.harmonics_records > 0 && notes.iter().any(|n| n.contains("harmonics of order")), "{notes:?}");
+    assert!(
+        figures.glossy.harmonics.records > 0 && notes.iter().any(|n| n.contains("harmonics of order")),
+        "{notes:?}"
+    );
     let (figures, notes) = decide("5000", None);
-    assert!(figures.harmonics_records == 0 && notes.iter().any(|n| n.contains("path traced")), "{notes:?}");
+    assert!(figures.glossy.harmonics.records == 0 && notes.iter().any(|n| n.contains("path traced")), "{notes:?}");
     let (figures, notes) = decide("5000", Some(9));
-    assert!(figures.harmonics_records > 0 && notes.iter().any(|n| n.contains("of order 9")), "{notes:?}");
-    assert_eq!(figures.bands, 9 * figures.harmonics_records);
+    assert!(figures.glossy.harmonics.records > 0 && notes.iter().any(|n| n.contains("of order 9")), "{notes:?}");
+    assert_eq!(figures.glossy.harmonics.elements, 9 * figures.glossy.harmonics.records);
     // 81 coefficients of three channels and two gradients, and what a record holds besides.
-    let bytes = figures.harmonics_bytes / figures.harmonics_records;
+    let bytes = figures.glossy.harmonics.bytes / figures.glossy.harmonics.records;
     assert!((81 * 9 * 4..81 * 9 * 4 + 128).contains(&bytes), "{bytes}");
 }
 
@@ -273,7 +276,7 @@ fn harmonic_records_survive_a_file() {
     let (picture, figures, caches) = render_cached(&world, &analytic, &settings, None, &|_| ());
     save(&path, &world, &analytic, &settings, 0.1, &caches).unwrap();
     let kept = load(&path, &world, &analytic, &settings, 0.1).unwrap();
-    assert!(kept.complete && kept.caches.harmonics.records().len() == figures.harmonics_records);
+    assert!(kept.complete && kept.caches.glossy.harmonics.records().len() == figures.glossy.harmonics.records);
     let (again, _, _) = render_cached(&world, &analytic, &settings, Some(kept), &|_| ());
     assert!(again.image().pixels == picture.image().pixels);
     let other = load(&path, &world, &policy(Gradients::None), &settings, 0.1);

@@ -41,7 +41,7 @@ fn every_method_agrees_with_the_path_tracer() {
                  {} records",
                 100.0 * bias,
                 100.0 * usual_bias,
-                figures.eas_records + figures.irradiance_records + figures.harmonics_records,
+                figures.records(),
             );
             assert!(error < 0.2 * blur, "{scene} {name}: {error} where the lens makes {blur}");
             assert!(error < bound && (bias - usual_bias).abs() < 0.015, "{scene} {name}: {error} {bias} {usual_bias}");

@@ -23,7 +23,7 @@ fn pictures_agree_with_the_path_tracer() {
         let world = world(scene, &SMALL);
         let (picture, figures) = cached(&world, Allowed::Auto, 0.03, 32);
         let (error, bias) = compare(&picture, &traced(&world, 256));
-        println!("{scene}: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.eas_records);
+        println!("{scene}: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.glossy.eas.records);
         assert!(error < bound && bias.abs() < 0.02, "{scene}: {error} {bias}");
     }
 }
@@ -67,7 +67,7 @@ fn the_papers_estimator_draws_the_box() {
     };
     let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
     let (error, bias) = compare(&picture, &traced(&world, 256));
-    println!("paper: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.eas_records);
+    println!("paper: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.glossy.eas.records);
     assert!(error < 0.05 && bias.abs() < 0.05, "{error} {bias}");
 }
 
@@ -80,8 +80,8 @@ fn sharp_materials_are_traced() {
     };
     assert!(policy(Allowed::Auto, &world).notes.iter().any(|n| n.contains("too sharp")));
     let (_, figures) = cached(&world, Allowed::Auto, 0.2, 2);
-    assert_eq!(figures.eas_records, 0);
+    assert_eq!(figures.glossy.eas.records, 0);
     world = crate::common::world("floor.xml", &[("n", "100"), ("width", "16"), ("height", "16")]);
     assert!(policy(Allowed::Auto, &world).notes.iter().any(|n| n.contains("cached")));
-    assert!(policy(Allowed::Irradiance, &world).lobes.is_empty());
+    assert!(policy(Allowed::Irradiance, &world).kinds.eas.lobes.is_empty());
 }

@@ -32,7 +32,7 @@ fn every_spacing_draws_the_scenes() {
             };
             let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
             let (error, bias) = compare(&picture, &reference);
-            let records = figures.eas_records + figures.irradiance_records;
+            let records = figures.records();
             println!("{scene}, {name}: {records} records, rel_mse {error:.4}, bias {:.2} %", 100.0 * bias);
             assert!(error < 0.02 && bias.abs() < 0.03, "{scene}, {name}: {error} {bias}");
             counts.push(records);

@@ -1,8 +1,7 @@
 //! The caches of a picture.
 
+use super::kinds::GlossyCaches;
 use crate::cache::Cache;
-use crate::record::eas::EasRecord;
-use crate::record::harmonics::HarmonicsRecord;
 use crate::record::irradiance::IrradianceRecord;
 use crate::world::Counts;
 use glam::Vec3A;
@@ -14,10 +13,8 @@ pub struct Caches {
     pub coarse: Cache<IrradianceRecord>,
     /// Irradiance on diffuse surfaces.
     pub irradiance: Cache<IrradianceRecord>,
-    /// Sources on glossy surfaces.
-    pub eas: Cache<EasRecord>,
-    /// Incident radiance on glossy surfaces.
-    pub harmonics: Cache<HarmonicsRecord>,
+    /// Records on glossy surfaces.
+    pub glossy: GlossyCaches,
     /// What was traced for them, and what was dropped.
     pub counts: Counts,
 }
@@ -28,14 +25,14 @@ impl Caches {
         Self {
             coarse: Cache::new(min, max),
             irradiance: Cache::new(min, max),
-            eas: Cache::new(min, max),
-            harmonics: Cache::new(min, max),
+            glossy: GlossyCaches::new(min, max),
             counts: Counts::default(),
         }
     }
 
     /// Memory of all records, bytes.
     pub fn bytes(&self) -> usize {
-        self.coarse.bytes() + self.irradiance.bytes() + self.eas.bytes() + self.harmonics.bytes()
+        let glossy: usize = self.glossy.figures().iter().map(|kind| kind.bytes).sum();
+        self.coarse.bytes() + self.irradiance.bytes() + glossy
     }
 }

@@ -1,7 +1,8 @@
 //! Radiance that arrives at a record: a path whose Lambertian surfaces are answered by the irradiance cache.
 
 use super::direct::{Left, emission, environment, receiver, sample_light};
-use crate::cache::{Cache, Weight};
+use super::irradiance::interpolated;
+use crate::cache::Cache;
 use crate::gather::Incident;
 use crate::integrator::media::Media;
 use crate::ray::Ray;
@@ -110,16 +111,4 @@ impl IncidentTracer<'_> {
         }
         found
     }
-}
-
-/// Irradiance about `normal`, which a texture may have bent, from the records of the hemisphere about another; `None` where none
-/// reaches.
-#[inline]
-pub fn interpolated(cache: &Cache<IrradianceRecord>, position: Vec3A, hemisphere: Vec3A, normal: Vec3A) -> Option<Rgb> {
-    let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
-    cache.interpolate(position, hemisphere, Weight::Smooth, |record, w| {
-        sum += record.at(position, normal) * w;
-        weights += w;
-    });
-    (weights > 1e-3).then(|| sum / weights)
 }

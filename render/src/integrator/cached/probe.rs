@@ -1,8 +1,12 @@
 //! One record under the lens: made where a pixel looks, with everything that went into it.
 
-use super::build::{Builder, Gather, record_frame};
+use super::build::Builder;
+use super::kind::{GlossyKind, Listed};
+use super::kinds::Eas;
+use super::kinds::eas::Lobe;
 use super::points::Point;
-use super::policy::{Lobe, Treatment};
+use super::policy::Treatment;
+use super::site::Site;
 use crate::bsdf::Parts;
 use crate::cache::Cache;
 use crate::frame::Frame;
@@ -81,26 +85,28 @@ impl Builder<'_> {
             let name = name.map_or_else(|| format!("material {}", point.material.0), |n| format!("material `{n}`"));
             ProbeError::NoTable(x, y, name, reason)
         };
-        let lobe = match self.treatment(point) {
-            Treatment::Eas { lobe, .. } => &self.policy.lobes[lobe],
+        let eas = &self.policy.kinds.eas;
+        let held = match self.treatment(point) {
+            Treatment::Glossy(glossy) => {
+                Eas::held(glossy).ok_or_else(|| no_table("the policy holds it with records of another kind"))?
+            }
             Treatment::Irradiance => return Err(no_table("it is diffuse: an irradiance record serves it")),
-            Treatment::Harmonics { .. } => return Err(no_table("the policy holds it with harmonics")),
             Treatment::Traced => return Err(no_table("it is path traced")),
         };
-        let depth = scene.integrator.max_depth;
-        if depth < 2 || (depth == 2 && self.environment.is_none()) {
-            return Err(ProbeError::NoLight(depth));
+        if !self.holds_light() {
+            return Err(ProbeError::NoLight(scene.integrator.max_depth));
         }
         let (min, max) = self.world.bounds();
         let mut coarse = Cache::new(min, max);
         self.fill_coarse(&mut coarse, None, progress);
-        let tracer = self.tracer(Some(&coarse), self.environment, depth - 1);
-        let frame = record_frame(point);
-        let parts = self.world.bsdf(&point.at).parts().ok_or_else(|| no_table("its model has no separate lobe"))?;
-        let mut gather = Gather::new(&tracer, point, self.seed, 3, i as u32);
+        let tracer = self.record_tracer(&coarse);
+        let site = Site { builder: self, tracer: &tracer, point, pixel: i };
+        let (lobe, frame) = (&eas.lobes[held.lobe], site.frame());
+        let no_lobe = || no_table("its model has no separate lobe");
+        let parts = site.parts().ok_or_else(no_lobe)?;
+        let mut gather = site.gather(Eas::SALT);
         let uniform = gather.uniform(&frame, count);
-        let made = self.eas_record(&tracer, point, i);
-        let (guided, guided_samples, counts) = made.ok_or_else(|| no_table("its model has no separate lobe"))?;
+        let (guided, guided_samples, counts) = eas.record(held, &site).ok_or_else(no_lobe)?;
         let rays = counts.rays + gather.counts.rays;
         Ok(Probe { point: *point, frame, lobe, parts, uniform, guided, guided_samples, rays })
     }

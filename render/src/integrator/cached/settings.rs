@@ -28,8 +28,8 @@ pub struct Quality {
     pub fineness: f32,
     /// Most cells of the hemisphere.
     pub max_cells: usize,
-    /// Spacing of EAS records.
-    pub eas: RadiusPolicy,
+    /// Spacing of glossy records.
+    pub glossy: RadiusPolicy,
     /// Cut through the tree.
     pub cut: CutSettings,
     /// Reflected directions #D of the cut, where no views are known.
@@ -42,45 +42,112 @@ pub struct Quality {
     pub curvature: f32,
 }
 
+/// The numbers that the quality of a picture hangs on, as they are at τ = [`TOLERANCE`]. All cost time to fill; what they buy
+/// is said with each. `cargo run --release -p render --example knobs` prints the curve of each: seconds, records and error
+/// where it is made smaller and larger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knobs {
+    /// Rays of an irradiance record. Time is in proportion; noise of the records of diffuse surfaces falls with the root.
+    pub irradiance_rays: f32,
+    /// Spacing of irradiance records. Closer ones follow contact shadows; their number, and the time, grow with 1/radius².
+    pub irradiance: RadiusPolicy,
+    /// Rays of a coarse irradiance record. Its error is averaged by every gather that ends on it, so a tenth does.
+    pub coarse_rays: f32,
+    /// Spacing of those. Twice as far as that of the others, for the same reason.
+    pub coarse: RadiusPolicy,
+    /// Rays in the smallest cell of a glossy record. Time is in proportion; noise of its sources falls with the root.
+    pub rays_per_cell: f32,
+    /// Largest half angle of a cell over the width of the lobe, where the lobe is bright. Finer cells take rays with 1/angle², and
+    /// keep edges of what is mirrored sharp.
+    pub fineness: f32,
+    /// Spacing of glossy records. Closer ones follow mirrored things that are near; a record costs more than an irradiance one.
+    pub glossy: RadiusPolicy,
+    /// Largest radius of a glossy record of the paper, pixels: its weights need overlap.
+    pub paper_reach: f32,
+    /// Tolerance of the improved cut over τ. A record is read by other points than it was made for: the cut leaves room for
+    /// them, in bytes and time to read.
+    pub cut: f32,
+    /// Error over the light that the second-order term may have within a radius, over τ. Less means more records where light
+    /// bends.
+    pub curvature: f32,
+}
+
+impl Default for Knobs {
+    fn default() -> Self {
+        Self {
+            irradiance_rays: 1600.0,
+            irradiance: RadiusPolicy { scale: 0.5, min_pixels: 3.0, max_pixels: 24.0 },
+            coarse_rays: 160.0,
+            coarse: RadiusPolicy { scale: 0.7, min_pixels: 8.0, max_pixels: 40.0 },
+            rays_per_cell: 4.0,
+            fineness: 0.7,
+            glossy: RadiusPolicy { scale: 0.6, min_pixels: 2.5, max_pixels: 14.0 },
+            paper_reach: 20.0,
+            cut: 0.1,
+            curvature: 2.0,
+        }
+    }
+}
+
+/// Irradiance records have no fewer rays: their gradients would be noise.
+const LEAST_RAYS: u32 = 64;
+/// Samples are numbered by so many.
+const MOST_RAYS: f32 = 65_536.0;
+/// No radius is less of a pixel, however small τ: records would be closer than what reads them.
+const LEAST_PIXELS: f32 = 0.75;
+/// The largest radius is at least so many pixels.
+const LEAST_REACH: f32 = 2.0;
+/// Cells become finer and coarser with τ within these factors: beyond, more rays in a cell buy more.
+const FINER_CELLS: [f32; 2] = [0.7, 1.4];
+/// Rays of a record of the paper (eas-2015, §3.2).
+const PAPER_RAYS: u32 = 4096;
+/// Reflected directions #D of the paper's cut (eas-2015, §3.2.2).
+const PAPER_DIRECTIONS: usize = 64;
+/// Most cells of the hemisphere, and most sources: bounds of time and memory that few records meet.
+const MOST_CELLS: usize = 1024;
+const MOST_SOURCES: usize = 1024;
+
 impl Quality {
+    /// [`Quality::with`] the numbers that pictures are rendered with.
+    pub fn new(tolerance: f32, estimator: Estimator, spacing: Spacing) -> Self {
+        Self::with(&Knobs::default(), tolerance, estimator, spacing)
+    }
+
     /// Rays, spacing and number of sources for the tolerance τ: the error of independent records falls with the root of the
     /// rays, so half the tolerance takes four times as many, spread over records that are closer and rays of each.
-    pub fn new(tolerance: f32, estimator: Estimator, spacing: Spacing) -> Self {
+    pub fn with(knobs: &Knobs, tolerance: f32, estimator: Estimator, spacing: Spacing) -> Self {
         let finer = TOLERANCE / tolerance;
-        let rays = |n: f32| (n * finer).round().clamp(1.0, 65_536.0) as u32;
+        let rays = |n: f32| (n * finer).round().clamp(1.0, MOST_RAYS) as u32;
         // Areas, not radii, are inverse to the number of records.
         let closer = finer.sqrt().sqrt();
-        let radius = |scale: f32, min: f32, max: f32| RadiusPolicy {
-            scale: scale / closer,
-            min_pixels: (min / closer).max(0.75),
-            max_pixels: (max / closer).max(2.0),
+        let radius = |at: RadiusPolicy| RadiusPolicy {
+            scale: at.scale / closer,
+            min_pixels: (at.min_pixels / closer).max(LEAST_PIXELS),
+            max_pixels: (at.max_pixels / closer).max(LEAST_REACH),
+        };
+        let [least_fine, most_fine] = FINER_CELLS;
+        let (glossy, cut, weight) = match estimator {
+            Estimator::Improved => (knobs.glossy, knobs.cut * tolerance, Weight::Smooth),
+            Estimator::Paper => {
+                (RadiusPolicy { max_pixels: knobs.paper_reach, ..knobs.glossy }, tolerance, Weight::Ward)
+            }
         };
         Self {
             estimator,
-            irradiance_rays: rays(1600.0).max(64),
-            irradiance: radius(0.5, 3.0, 24.0),
-            coarse_rays: rays(160.0).max(64),
-            coarse: radius(0.7, 8.0, 40.0),
-            rays_per_cell: rays(4.0),
-            paper_rays: 4096,
-            fineness: 0.7 / closer.clamp(0.7, 1.4),
-            max_cells: 1024,
-            eas: match estimator {
-                Estimator::Improved => radius(0.6, 2.5, 14.0),
-                Estimator::Paper => radius(0.6, 2.5, 20.0),
-            },
-            cut: CutSettings {
-                // A record is read by other points than it was made for: the improved cut leaves room for them.
-                tolerance: if estimator == Estimator::Paper { tolerance } else { 0.1 * tolerance },
-                max_eas: 1024,
-            },
-            directions: 64,
-            weight: match estimator {
-                Estimator::Improved => Weight::Smooth,
-                Estimator::Paper => Weight::Ward,
-            },
+            irradiance_rays: rays(knobs.irradiance_rays).max(LEAST_RAYS),
+            irradiance: radius(knobs.irradiance),
+            coarse_rays: rays(knobs.coarse_rays).max(LEAST_RAYS),
+            coarse: radius(knobs.coarse),
+            rays_per_cell: rays(knobs.rays_per_cell),
+            paper_rays: PAPER_RAYS,
+            fineness: knobs.fineness / closer.clamp(least_fine, most_fine),
+            max_cells: MOST_CELLS,
+            glossy: radius(glossy),
+            cut: CutSettings { tolerance: cut, max_eas: MOST_SOURCES },
+            directions: PAPER_DIRECTIONS,
+            weight,
             spacing,
-            curvature: 2.0 * tolerance,
+            curvature: knobs.curvature * tolerance,
         }
     }
 }

@@ -3,17 +3,21 @@
 
 use super::caches::Caches;
 use super::direct::{Left, emission, environment, receiver, sample_light};
-use super::incident::{IncidentTracer, interpolated};
+use super::incident::IncidentTracer;
+use super::irradiance::interpolated;
+use super::kind::{Found, Listed, Shaded, WithKind};
+use super::kinds::Scratches;
 use super::points::{PixelCone, Point, Seen, see};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use super::surface::{Grouping, Surface};
 use crate::bsdf::{Bsdf, Split};
+use crate::frame::Frame;
 use crate::integrator::Radiance;
 use crate::light::Lights;
 use crate::ray::Ray;
+use crate::record::Receiver;
 use crate::record::eas::mean_radiance;
-use crate::record::{Receiver, Reflected, Reflector, Scratch, reflect};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::{Queries, World};
@@ -61,9 +65,6 @@ impl LightSplit {
     }
 }
 
-/// Doubt about records that is borne without tracing.
-const DOUBT: f32 = 0.1;
-
 /// Paths of a surface whose records are doubted altogether: its neighbours have no noise, so it must not have much.
 const DOUBTED: f32 = 64.0;
 
@@ -79,7 +80,7 @@ impl Shader<'_> {
         ray: Ray,
         sampler: &mut Sampler,
         surfaces: &mut Vec<Surface>,
-        scratch: &mut Scratch,
+        scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Radiance {
         let (world, settings) = (self.world, &self.world.scene.integrator);
@@ -140,8 +141,7 @@ impl Shader<'_> {
             }
             treatment => {
                 let width = match treatment {
-                    Treatment::Eas { lobe, .. } => Some(self.policy.lobes[lobe].width),
-                    Treatment::Harmonics { brdf } => Some(self.policy.harmonics[brdf].specular.lobe_width() as f32),
+                    Treatment::Glossy(glossy) => Some(glossy.with(&self.policy.kinds, LobeWidth)),
                     Treatment::Irradiance | Treatment::Traced => None,
                 };
                 let sample = Surface::new(&point, &bsdf);
@@ -216,7 +216,7 @@ impl Shader<'_> {
         &self,
         surfaces: &[Surface],
         samplers: &impl Fn(u32) -> Sampler,
-        scratch: &mut Scratch,
+        scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Split {
         let seen = surfaces.iter().filter(|s| self.has_indirect(s));
@@ -239,31 +239,25 @@ impl Shader<'_> {
         &self,
         s: &Surface,
         paths: &impl Fn(f32) -> (u32, S),
-        scratch: &mut Scratch,
+        scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Split {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
-        let mut doubt = 0.0;
-        let (cached, traced) = match self.policy.treatment(s.point.material.0) {
+        let Found { light: cached, traced, doubt } = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
                 let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
-                (found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO }), 0.0)
+                let light = found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO });
+                Found { light, traced: 0.0, doubt: 0.0 }
             }
-            Treatment::Eas { lobe, traced } => {
-                let at = Receiver { position, frame: turned(&s.point, normal), wo: Vec3A::Z };
-                let wo = at.frame.to_local(s.wo.normalize());
-                let cached;
-                (cached, doubt) = self.eas(lobe, s, &Receiver { wo, ..at }, hemisphere, scratch);
-                (cached, traced.max(doubt))
-            }
-            Treatment::Harmonics { brdf } => {
+            Treatment::Glossy(glossy) => {
                 let frame = turned(&s.point, normal);
                 let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                self.harmonics(brdf, s.point.material.0, &at, hemisphere, scratch, &s.parts)
+                let surface = Shaded { at, hemisphere, material: s.point.material.0, parts: &s.parts };
+                glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
             }
-            Treatment::Traced => (None, 1.0),
+            Treatment::Traced => Found::NOTHING,
         };
         let path = match cached {
             Some(_) if traced == 0.0 => Split::ZERO,
@@ -285,41 +279,39 @@ impl Shader<'_> {
             None => path,
         }
     }
+}
 
-    /// Eq. 17, and the share of it that is to be traced instead because records say little of this point.
+/// Width of the lobe of a material.
+struct LobeWidth;
+
+impl WithKind for LobeWidth {
+    type Out = f32;
+
     #[inline(always)]
-    fn eas(
-        &self,
-        lobe: usize,
-        s: &Surface,
-        at: &Receiver,
-        normal: Vec3A,
-        scratch: &mut Scratch,
-    ) -> (Option<Split>, f32) {
-        let lobe = &self.policy.lobes[lobe];
-        let reflector = Reflector::of(&lobe.table, &s.parts);
-        let (mut sum, mut weights) = (Reflected::default(), 0.0);
-        // `sum.trust` is the weight of the specular sum.
-        self.caches.eas.interpolate(at.position, normal, self.quality.weight, |record, w| {
-            if record.material == s.point.material.0 {
-                let part = reflect(record, at, &reflector, &lobe.albedo, self.quality.estimator, scratch);
-                sum.irradiance += part.irradiance * w;
-                sum.specular += part.specular * (w * part.trust);
-                sum.trust += w * part.trust;
-                weights += w;
-            }
-        });
-        let doubt = ((1.0 - sum.trust / weights) - DOUBT) / (1.0 - DOUBT);
-        let cached = (weights > 1e-3).then(|| Split {
-            diffuse: s.parts.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
-            glossy: sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
-        });
-        (cached, doubt.max(0.0))
+    fn run<K: Listed>(self, kind: &K, held: K::Held) -> f32 {
+        kind.lobe_width(held)
+    }
+}
+
+/// What the records of its kind reflect at a surface.
+struct Read<'a> {
+    shader: &'a Shader<'a>,
+    surface: &'a Shaded<'a>,
+    scratch: &'a mut Scratches,
+}
+
+impl WithKind for Read<'_> {
+    type Out = Found;
+
+    #[inline(always)]
+    fn run<K: Listed>(self, kind: &K, held: K::Held) -> Found {
+        let Shader { caches, quality, .. } = self.shader;
+        kind.reflect(held, K::cache(&caches.glossy), self.surface, quality, K::scratch(self.scratch))
     }
 }
 
 /// The frame of a point turned to the mean normal of its samples.
-fn turned(point: &Point, normal: Vec3A) -> crate::frame::Frame {
+fn turned(point: &Point, normal: Vec3A) -> Frame {
     let x = point.frame.to_world(Vec3A::X);
-    crate::frame::Frame::with_tangent(normal, x)
+    Frame::with_tangent(normal, x)
 }

@@ -4,6 +4,16 @@ use super::points::Point;
 use crate::bsdf::{Bsdf, Parts};
 use glam::Vec3A;
 
+/// Cosine between normals that are shaded as one (2.6°): a bump that turns more has its own highlight.
+const SAME_NORMAL: f32 = 0.999;
+
+/// Cosine between views that are shaded as one without a lens (8°): a pixel of an ordinary camera never spans more, its
+/// mirrors may.
+const SAME_VIEW: f32 = 0.99;
+
+/// Distance between samples that are shaded as one, in widths of a pixel: seen at a grazing angle, a pixel is long.
+const SAME_PLACE: f32 = 6.0;
+
 /// A surface in a pixel: what its samples have in common is shaded once.
 #[derive(Clone, Copy)]
 pub struct Surface {
@@ -40,9 +50,9 @@ impl Surface {
         let (a, b) = (&self.point, &other.point);
         a.material == b.material
             && a.segments == b.segments
-            && a.frame.normal().dot(other.normal) > 0.999
+            && a.frame.normal().dot(other.normal) > SAME_NORMAL
             && a.at.wo.dot(b.at.wo) > views
-            && a.at.p.distance_squared(b.at.p) < (6.0 * b.footprint).powi(2)
+            && a.at.p.distance_squared(b.at.p) < (SAME_PLACE * b.footprint).powi(2)
     }
 
     fn add(&mut self, other: &Self) {
@@ -73,9 +83,9 @@ impl Grouping {
     /// this width would show it; where there is none, they make no difference.
     fn views(self, lobe_width: Option<f32>) -> f32 {
         match lobe_width {
-            _ if !self.lens => 0.99,
+            _ if !self.lens => SAME_VIEW,
             None => -1.0,
-            Some(width) => (0.5 * width).cos().max(0.99),
+            Some(width) => (0.5 * width).cos().max(SAME_VIEW),
         }
     }
 

@@ -36,7 +36,7 @@ impl Builder<'_> {
     /// Views of the same surface that will read the record of pixel `i`, and how far they reach in pixels: less where the
     /// surface is so curved that its mirror directions leave the region that a record can hold finely.
     pub(super) fn views(&self, point: &Point, i: usize, lobe_width: f32) -> (Vec<View>, f32) {
-        let RadiusPolicy { min_pixels, max_pixels, .. } = self.quality.eas;
+        let RadiusPolicy { min_pixels, max_pixels, .. } = self.quality.glossy;
         let mut reach = max_pixels;
         loop {
             let views = self.views_within(point, i, reach);

@@ -64,13 +64,14 @@ impl Reader {
     /// Reflected light of a record at `position`. Ringing may make it negative.
     #[inline(always)]
     pub fn read(&mut self, record: &HarmonicsRecord, position: Vec3A) -> Reflected {
+        let frame = record.frame();
         match self.basis {
             Basis::Spherical if self.ready.is_none() => self.turn_to_world(),
             Basis::Spherical => (),
-            Basis::Hemispherical if self.ready.as_ref() != Some(record.frame()) => self.turn_to_record(record.frame()),
+            Basis::Hemispherical if self.ready != Some(frame) => self.turn_to_record(&frame),
             Basis::Hemispherical => (),
         }
-        let offset = record.frame().to_local(position - record.position());
+        let offset = frame.to_local(position - record.position());
         Reflected {
             irradiance: record.dots(offset, &self.cosine),
             specular: record.dots(offset, &self.specular),

@@ -4,18 +4,16 @@ use super::projection::Projector;
 use super::{Basis, HarmonicsSettings, MAX_ORDER};
 use crate::frame::Frame;
 use crate::gather::GatherSample;
-use crate::record::Record;
+use crate::record::{Record, Zone};
 use crate::scene::Rgb;
 use glam::Vec3A;
 
 /// Incident radiance at a point, as coefficients.
 #[derive(Clone, Debug)]
 pub struct HarmonicsRecord {
-    position: Vec3A,
-    frame: Frame,
-    radius: f32,
-    /// Material it was made for: an index the caller chooses.
-    pub material: u32,
+    zone: Zone,
+    /// Axes x and y of the frame, whose z is the normal of the zone.
+    tangents: [Vec3A; 2],
     /// Order n.
     order: u8,
     /// Red, green, blue, n² numbers each; then their derivatives along the axes x and y of the frame.
@@ -37,21 +35,16 @@ impl HarmonicsRecord {
         let order = order.clamp(1, MAX_ORDER);
         let projector = Projector { basis: settings.basis, order, gradients: settings.gradients };
         let numbers = projector.project(samples, frame, radius);
-        Self { position, frame: *frame, radius, material, order: order as u8, numbers }
+        let zone = Zone { radius, ..Zone::at(position, frame, material) };
+        Self { zone, tangents: tangents(frame), order: order as u8, numbers }
     }
 
-    /// A record as a file holds it; `None` if the count of the numbers is none of a record.
-    pub fn restored(
-        position: Vec3A,
-        frame: Frame,
-        radius: f32,
-        material: u32,
-        order: u32,
-        numbers: Box<[f32]>,
-    ) -> Option<Self> {
+    /// A record as a file holds it, `tangents` the axes x and y of its frame; `None` if the count of the numbers is none of a
+    /// record.
+    pub fn restored(zone: Zone, tangents: [Vec3A; 2], order: u32, numbers: Box<[f32]>) -> Option<Self> {
         let size = (order as usize).checked_mul(order as usize)?;
         let fits = (1..=MAX_ORDER as u32).contains(&order) && (numbers.len() == 3 * size || numbers.len() == 9 * size);
-        fits.then_some(Self { position, frame, radius, material, order: order as u8, numbers })
+        fits.then_some(Self { zone, tangents, order: order as u8, numbers })
     }
 
     /// Order n of the coefficients.
@@ -60,8 +53,10 @@ impl HarmonicsRecord {
     }
 
     /// The frame of the coefficients (hemispherical basis) and of the gradients.
-    pub fn frame(&self) -> &Frame {
-        &self.frame
+    #[inline(always)]
+    pub fn frame(&self) -> Frame {
+        let [x, y] = self.tangents;
+        Frame::from_axes(x, y, self.zone.normal)
     }
 
     /// All coefficients, as they are stored.
@@ -94,10 +89,15 @@ impl HarmonicsRecord {
 
     /// Radiance from a world direction, RGB, for tests and pictures.
     pub fn radiance(&self, basis: Basis, direction: Vec3A) -> Rgb {
-        let local = if basis == Basis::Spherical { direction } else { self.frame.to_local(direction) };
+        let local = if basis == Basis::Spherical { direction } else { self.frame().to_local(direction) };
         let values = basis.values(self.order(), local);
         self.dots(Vec3A::ZERO, &values)
     }
+}
+
+fn tangents(frame: &Frame) -> [Vec3A; 2] {
+    let [x, y, _] = frame.axes();
+    [x, y]
 }
 
 /// Σ ab with as many running sums as a vector has lanes, twice.
@@ -116,22 +116,18 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 }
 
 impl Record for HarmonicsRecord {
-    fn position(&self) -> Vec3A {
-        self.position
+    fn zone(&self) -> &Zone {
+        &self.zone
     }
-    fn normal(&self) -> Vec3A {
-        self.frame.normal()
-    }
-    fn radius(&self) -> f32 {
-        self.radius
-    }
-    fn set_radius(&mut self, radius: f32) {
-        self.radius = radius;
+    fn zone_mut(&mut self) -> &mut Zone {
+        &mut self.zone
     }
     fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&*self.numbers)
     }
     fn is_finite(&self) -> bool {
-        self.position.is_finite() && self.numbers.iter().all(|x| x.is_finite())
+        self.zone.is_finite()
+            && self.tangents.iter().all(|t| t.is_finite())
+            && self.numbers.iter().all(|x| x.is_finite())
     }
 }

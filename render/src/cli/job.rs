@@ -1,0 +1,124 @@
+//! What `render image` is asked for, once every argument has been found to have a meaning.
+
+use super::image::Args;
+use super::look;
+use super::method::{Method, Reach};
+use super::outputs;
+use super::view;
+use anyhow::{Context, Result};
+use render::cache::Spacing;
+use render::film::Budget;
+use render::image::Look;
+use render::integrator::cached::policy::Allowed;
+use render::integrator::cached::{Settings, TOLERANCE};
+use render::record::harmonics::HarmonicsSettings;
+use render::scene::Scene;
+use render::scene::load::{self, Loaded};
+use render::world::World;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
+const EXR_SECONDS: f64 = 1.6e-6;
+const SCREEN_SECONDS: f64 = 3e-7;
+
+/// What is to be rendered, and how.
+pub(super) struct Job {
+    pub world: World,
+    pub engine: Engine,
+    pub budget: Budget,
+    pub seed: u64,
+    pub indirect_only: bool,
+    /// How pictures for a screen look.
+    pub look: Look,
+}
+
+/// What renders.
+pub(super) enum Engine {
+    /// The path tracer.
+    Traced,
+    /// Caches.
+    Cached(Caching),
+}
+
+/// How caches are used.
+pub(super) struct Caching {
+    pub allowed: Allowed,
+    pub settings: Settings,
+    /// τ that is not left to a budget of time.
+    pub tolerance: f32,
+    /// Folder of tables.
+    pub tables: PathBuf,
+    /// File of records.
+    pub file: Option<PathBuf>,
+}
+
+impl Job {
+    /// Loads the scene and puts the arguments to it.
+    ///
+    /// # Errors
+    /// One line: a scene that cannot be loaded, or an argument that does not fit it.
+    pub fn new(args: &Args) -> Result<Self> {
+        let Loaded { mut scene, warnings, files, .. } = load::open(&args.scene, &args.reading.options()?)?;
+        outputs::check(args, &files)?;
+        for warning in warnings {
+            eprintln!("render: warning: {warning}");
+        }
+        let place = || args.scene.display().to_string();
+        view::change(&mut scene.camera, args.width, args.height, args.crop);
+        look::check_size(&args.output, &scene.camera.film)?;
+        let lens = args.optics.check(&scene.camera)?;
+        view::require_memory(&scene.camera, args.method != Method::Path, lens).with_context(place)?;
+        scene.integrator.hide_environment = args.looking.transparent;
+        if let Some(depth) = args.max_depth {
+            scene.integrator.max_depth = depth;
+        }
+        let budget = budget(args, &scene);
+        let mut world = World::new(scene).with_context(place)?;
+        if let Some(focus) = args.optics.apply(&mut world)? {
+            eprintln!("render: focused at {focus}, on what the middle of the picture shows");
+        }
+        let engine = Engine::new(args, budget);
+        let look = args.looking.look();
+        Ok(Self { world, engine, budget, seed: args.seed, indirect_only: args.indirect_only, look })
+    }
+}
+
+impl Engine {
+    fn new(args: &Args, budget: Budget) -> Self {
+        let tolerance = args.tau.unwrap_or(TOLERANCE);
+        let Some(mut allowed) = args.method.allowed(tolerance) else { return Self::Traced };
+        if let Allowed::Harmonics(settings) = &mut allowed {
+            let (basis, gradients) = (args.basis.unwrap_or_default(), args.gradients.unwrap_or_default());
+            *settings = HarmonicsSettings::new(basis, gradients, tolerance, args.order.map(usize::from));
+        }
+        let estimator = args.eas.unwrap_or_default();
+        let hessian = args.radius.unwrap_or(Reach::of(estimator)) == Reach::Hessian;
+        let settings = Settings {
+            tolerance: args.tau,
+            estimator,
+            spacing: Spacing { hessian, adaptive: args.adaptive },
+            sources: args.sources.map(usize::from),
+            budget,
+            seed: args.seed,
+            indirect_only: args.indirect_only,
+        };
+        let tables = args.tables.clone().unwrap_or_else(|| "tables".into());
+        Self::Cached(Caching { allowed, settings, tolerance, tables, file: args.cache.clone() })
+    }
+}
+
+fn budget(args: &Args, scene: &Scene) -> Budget {
+    match (args.spp, args.time, args.error) {
+        (_, Some(seconds), _) => {
+            let film = scene.camera.film.window();
+            let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+            let exrs = args.output.iter().filter(exr).count();
+            let per_pixel = EXR_SECONDS * exrs as f64 + SCREEN_SECONDS * (args.output.len() - exrs) as f64;
+            let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
+            Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
+        }
+        (_, _, Some(error)) => Budget::Error(error),
+        (spp, ..) => Budget::Samples(spp.unwrap_or(scene.integrator.spp)),
+    }
+}

@@ -1,0 +1,73 @@
+//! What `--stats` says of a run.
+
+use render::film::Picture;
+use render::integrator::cached::Figures;
+use render::integrator::cached::kinds::{COUNT, KINDS};
+use render::world::Counts;
+use serde::{Serialize, Serializer};
+use std::time::Duration;
+
+/// What `--stats` says; the keys of the cache stay zero without one.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Stats {
+    method: &'static str,
+    pub(super) seconds: Seconds,
+    rays: u64,
+    not_finite: u64,
+    records: u64,
+    #[serde(flatten)]
+    means: Means,
+    negative_pixels: u64,
+    bytes_per_record: f64,
+    cache_bytes: u64,
+    spp: u32,
+    threads: usize,
+}
+
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Seconds {
+    load: f64,
+    fit: f64,
+    fill: f64,
+    pub(super) shade: f64,
+    pub(super) write: f64,
+    pub(super) total: f64,
+}
+
+/// Mean number of elements of a record, with a key for each kind.
+#[derive(Debug, Default)]
+struct Means([f64; COUNT]);
+
+impl Serialize for Means {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(KINDS.iter().map(|kind| kind.mean_key).zip(self.0))
+    }
+}
+
+impl Stats {
+    /// Of a method whose scene has been loaded.
+    pub fn new(method: &'static str, threads: usize, load: Duration) -> Self {
+        let seconds = Seconds { load: load.as_secs_f64(), ..Seconds::default() };
+        Self { method, threads, seconds, ..Self::default() }
+    }
+
+    /// Notes what caches did.
+    pub fn take(&mut self, figures: &Figures, fitting: Duration) {
+        self.seconds.fit = fitting.as_secs_f64();
+        self.seconds.fill = figures.fill.as_secs_f64();
+        self.seconds.shade = figures.shade.as_secs_f64();
+        self.records = figures.records() as u64;
+        for (mean, kind) in self.means.0.iter_mut().zip(figures.glossy.iter()) {
+            *mean = kind.mean();
+        }
+        self.negative_pixels = figures.negative_pixels;
+        self.bytes_per_record = figures.all_glossy().mean_bytes();
+        self.cache_bytes = figures.bytes as u64;
+    }
+
+    /// Notes what was traced.
+    pub fn count(&mut self, picture: &Picture) {
+        let Counts { rays, not_finite, .. } = picture.counts;
+        (self.rays, self.not_finite, self.spp) = (rays, not_finite, picture.spp);
+    }
+}

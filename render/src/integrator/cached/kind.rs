@@ -1,0 +1,250 @@
+//! What a kind of record for glossy surfaces must know of itself. All else (filling, spacing, file, figures, command line)
+//! goes over the list of kinds and knows none of them.
+
+use super::file::{CacheFileError, Reader};
+use super::kinds::{Allowed, Glossy, GlossyCaches, Kinds, PerKind, Scratches};
+use super::settings::Quality;
+use super::site::Site;
+use crate::bsdf::{Parts, Split};
+use crate::cache::Cache;
+use crate::record::{Receiver, Record};
+use crate::scene::Rgb;
+use crate::scene::checksum::Hash;
+use crate::world::Counts;
+use brdf_tables::brdf::Specular;
+use brdf_tables::material::Material as Recipe;
+use brdf_tables::table::Table;
+use core::fmt::Debug;
+use glam::Vec3A;
+use serde::Serialize;
+
+/// A kind of record for glossy surfaces. A value of it holds what it knows of the materials of a scene.
+pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
+    /// As typed after `--method`.
+    const NAME: &'static str;
+    /// What the method does, for its help.
+    const ABOUT: &'static str;
+    /// Key of the mean number of elements of a record in the figures of a run.
+    const MEAN_KEY: &'static str;
+    /// Whether it looks anything up in fitted tables.
+    const TABLES: bool;
+    /// Tells its sample points from those of other records.
+    const SALT: u64;
+
+    /// What it keeps at a point.
+    type Record: Record + Clone + Debug;
+    /// How it holds a material.
+    type Held: Copy + Debug + PartialEq + Serialize;
+    /// Memory for reading records, used again from point to point.
+    type Scratch: Default;
+
+    /// What asks for it alone, with its own defaults, at the tolerance τ.
+    fn alone(tolerance: f32) -> Allowed;
+
+    /// Whether it is among what is allowed; notes how.
+    fn ask(&mut self, allowed: &Allowed) -> bool;
+
+    /// Takes a specular part if it can hold it, and says in words what it does with it. `table` finds or fits a table.
+    ///
+    /// # Errors
+    /// Those of `table`.
+    fn hold<E>(
+        &mut self,
+        specular: Specular,
+        table: &mut impl FnMut(&Recipe) -> Result<Table, E>,
+    ) -> Result<(Option<Self::Held>, String), E>;
+
+    /// What [`Allowed::Auto`] does with a specular part through it, in words; `None` if it is never chosen so.
+    fn outlook(specular: &Specular) -> Option<String>;
+
+    /// Adds what its records were made for, to tell whether those of a file are the same: tables apart from all else.
+    fn key(&self, tables: &mut Hash, method: &mut Hash);
+
+    /// Width of the lobe of a material, radian.
+    fn lobe_width(&self, held: Self::Held) -> f32;
+
+    /// Whether records serve a view at all, whose direction to the eye is `wo` in the local frame.
+    fn serves(&self, held: Self::Held, wo: Vec3A) -> bool;
+
+    /// The record of a place, its radius set, and what it took.
+    fn make(&self, held: Self::Held, site: &Site) -> Option<(Self::Record, Counts)>;
+
+    /// What a record reflects at a point, diffuse part included: where records differ in that, they reach less far.
+    fn light(
+        &self,
+        held: Self::Held,
+        record: &Self::Record,
+        parts: &Parts,
+        at: &Receiver,
+        quality: &Quality,
+        scratch: &mut Self::Scratch,
+    ) -> Rgb;
+
+    /// What the records about a point reflect.
+    fn reflect(
+        &self,
+        held: Self::Held,
+        cache: &Cache<Self::Record>,
+        at: &Shaded,
+        quality: &Quality,
+        scratch: &mut Self::Scratch,
+    ) -> Found;
+
+    /// Appends a record to a file.
+    fn write(record: &Self::Record, bytes: &mut Vec<u8>);
+
+    /// Reads what [`GlossyKind::write`] wrote.
+    ///
+    /// # Errors
+    /// Bytes that are no record.
+    fn read(reader: &mut Reader) -> Result<Self::Record, CacheFileError>;
+
+    /// Of what the size of a record is counted in.
+    fn elements(record: &Self::Record) -> usize;
+
+    /// Number and size of records in words.
+    fn sentence(figures: &KindFigures) -> String;
+}
+
+/// What a kind says of itself, for a command line.
+#[derive(Clone, Copy)]
+pub struct Description {
+    /// [`GlossyKind::NAME`].
+    pub name: &'static str,
+    /// [`GlossyKind::ABOUT`].
+    pub about: &'static str,
+    /// [`GlossyKind::MEAN_KEY`].
+    pub mean_key: &'static str,
+    /// [`GlossyKind::TABLES`].
+    pub tables: bool,
+    /// [`GlossyKind::SALT`].
+    pub salt: u64,
+    /// [`GlossyKind::alone`].
+    pub alone: fn(f32) -> Allowed,
+    /// [`GlossyKind::outlook`].
+    pub outlook: fn(&Specular) -> Option<String>,
+    /// [`GlossyKind::sentence`].
+    pub sentence: fn(&KindFigures) -> String,
+}
+
+impl Description {
+    /// That of a kind.
+    pub const fn of<K: GlossyKind>() -> Self {
+        Self {
+            name: K::NAME,
+            about: K::ABOUT,
+            mean_key: K::MEAN_KEY,
+            tables: K::TABLES,
+            salt: K::SALT,
+            alone: K::alone,
+            outlook: K::outlook,
+            sentence: K::sentence,
+        }
+    }
+}
+
+/// A kind that stands in the list of kinds: where it has its part of what is kept for all.
+pub trait Listed: GlossyKind {
+    /// What is known of the materials.
+    fn of(kinds: &Kinds) -> &Self;
+    /// How a material is held, if by this kind.
+    fn held(glossy: Glossy) -> Option<Self::Held>;
+    /// The records.
+    fn cache(caches: &GlossyCaches) -> &Cache<Self::Record>;
+    /// The records, to add to.
+    fn cache_mut(caches: &mut GlossyCaches) -> &mut Cache<Self::Record>;
+    /// The memory for reading them.
+    fn scratch(scratches: &mut Scratches) -> &mut Self::Scratch;
+    /// Number and size of its records.
+    fn figures(figures: &PerKind<KindFigures>) -> &KindFigures;
+}
+
+/// Something to do with the kind that holds a material.
+pub trait WithKind {
+    /// What comes of it.
+    type Out;
+    /// Does it.
+    fn run<K: Listed>(self, kind: &K, held: K::Held) -> Self::Out;
+}
+
+/// Something to do with every kind.
+pub trait EachKind {
+    /// Why it may stop.
+    type Error;
+    /// Does it with one.
+    ///
+    /// # Errors
+    /// To stop.
+    fn run<K: Listed>(&mut self) -> Result<(), Self::Error>;
+}
+
+/// A surface of a pixel, as records are read for it.
+#[derive(Clone, Copy)]
+pub struct Shaded<'a> {
+    /// Mean position of its samples, the frame of their mean normal, the mean direction to the eye.
+    pub at: Receiver,
+    /// Normal of the hemisphere of records, which no texture bends.
+    pub hemisphere: Vec3A,
+    /// Index of the material.
+    pub material: u32,
+    /// Colours, summed over the samples.
+    pub parts: &'a Parts,
+}
+
+/// What records say of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Reflected light; `None` where no record reaches.
+    pub light: Option<Split>,
+    /// Share that is to be path traced instead.
+    pub traced: f32,
+    /// The part of it that is due to records which say little of this point; more paths are due then.
+    pub doubt: f32,
+}
+
+impl Found {
+    /// Nothing is known: all is traced.
+    pub const NOTHING: Self = Self { light: None, traced: 1.0, doubt: 0.0 };
+}
+
+/// Sum of weights from which on records count as found.
+pub const FOUND: f32 = 1e-3;
+
+/// Records of a kind in a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KindFigures {
+    /// Records.
+    pub records: usize,
+    /// What their size is counted in (sources, bands), over all records.
+    pub elements: usize,
+    /// Memory.
+    pub bytes: usize,
+}
+
+impl KindFigures {
+    /// Of the records of a cache.
+    pub fn new<K: GlossyKind>(cache: &Cache<K::Record>) -> Self {
+        let records = cache.records();
+        Self { records: records.len(), elements: records.iter().map(K::elements).sum(), bytes: cache.bytes() }
+    }
+
+    /// Mean number of elements of a record, 0 without records.
+    pub fn mean(&self) -> f64 {
+        self.elements as f64 / self.records.max(1) as f64
+    }
+
+    /// Mean bytes of a record, 0 without records.
+    pub fn mean_bytes(&self) -> f64 {
+        self.bytes as f64 / self.records.max(1) as f64
+    }
+}
+
+impl core::iter::Sum for KindFigures {
+    fn sum<I: Iterator<Item = Self>>(figures: I) -> Self {
+        figures.fold(Self::default(), |a, b| Self {
+            records: a.records + b.records,
+            elements: a.elements + b.elements,
+            bytes: a.bytes + b.bytes,
+        })
+    }
+}

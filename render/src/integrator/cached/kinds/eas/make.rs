@@ -1,0 +1,88 @@
+//! How an EAS record is made, and how far it reaches.
+
+use super::{Eas, GlossyKind, Held};
+use crate::bsdf::Parts;
+use crate::cache::RadiusPolicy;
+use crate::gather::GatherSample;
+use crate::integrator::cached::points::Point;
+use crate::integrator::cached::site::Site;
+use crate::record::eas::{EasRecord, Estimator};
+use crate::record::{
+    Centroid, Hessian, Receiver, Record, Reflector, Scratch, Tree, View, cut, hemisphere_directions, luminance,
+};
+use crate::world::Counts;
+use glam::Vec3A;
+use std::cell::RefCell;
+
+/// Step of the differences of the Hessian, over the radius by distance.
+const STEP: f32 = 0.25;
+
+/// Views lower than this (cosine) see too little of a record to be asked.
+const LOWEST_VIEW: f32 = 0.02;
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+impl Eas {
+    /// The record of a place, its tree's samples, and what they took.
+    pub fn record(&self, held: Held, site: &Site) -> Option<(EasRecord, Vec<GatherSample>, Counts)> {
+        let lobe = &self.lobes[held.lobe];
+        let quality = site.quality();
+        let frame = site.frame();
+        let parts = site.parts()?;
+        let reflector = Reflector::of(&lobe.table, &parts);
+        let mut gather = site.gather(Self::SALT);
+        let mut reach = quality.glossy.max_pixels;
+        let (mut samples, tree, directions) = match quality.estimator {
+            Estimator::Paper => {
+                let mut samples = gather.uniform(&frame, quality.paper_rays);
+                let tree = Tree::new(&mut samples, 1, Centroid::Position);
+                (samples, tree, hemisphere_directions(quality.directions))
+            }
+            Estimator::Improved => {
+                let (views, pixels) = site.views(lobe.width);
+                reach = pixels;
+                let cells = site.guided_cells(&frame, &views, lobe.width);
+                let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
+                let mut samples = gather.cells(&frame, &cells);
+                let tree = Tree::new(&mut samples, most as usize, Centroid::Direction);
+                let local = |v: &View| frame.to_local(v.wo);
+                (samples, tree, views.iter().map(local).filter(|d| d.z > LOWEST_VIEW).collect())
+            }
+        };
+        let cut = cut(&tree, &reflector, &directions, &quality.cut);
+        let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
+        let point = site.point();
+        let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
+        let policy = RadiusPolicy { max_pixels: reach, ..quality.glossy };
+        record.set_radius(self.radius(held, &record, (site, point, &parts), 1.0 / nearest, policy));
+        samples.shrink_to_fit();
+        Some((record, samples, gather.counts))
+    }
+
+    /// Radius of a record at a point, whose nearest neighbour is at `nearest`. The Hessian is that of the reflected light as
+    /// the sources themselves foretell it.
+    fn radius(
+        &self,
+        held: Held,
+        record: &EasRecord,
+        (site, point, parts): (&Site, &Point, &Parts),
+        nearest: f32,
+        policy: RadiusPolicy,
+    ) -> f32 {
+        let quality = site.quality();
+        let radius = policy.radius(nearest, point.footprint);
+        if !quality.spacing.hessian {
+            return radius;
+        }
+        let step = STEP * radius;
+        let reflected = |x: f32, y: f32| {
+            let position = point.at.p + point.frame.to_world(Vec3A::new(x, y, 0.0));
+            let at = Receiver { position, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
+            luminance(SCRATCH.with_borrow_mut(|scratch| self.reflected(held, record, parts, &at, quality, scratch)))
+        };
+        let bound = Hessian::of(step, reflected).radius(reflected(0.0, 0.0), quality.curvature);
+        policy.bounded(bound.min(nearest), point.footprint)
+    }
+}

@@ -1,0 +1,127 @@
+//! Equivalent area light sources (eas-2015): sources about a point, read through a table of the mean BRDF.
+
+mod file;
+mod make;
+mod shade;
+mod want;
+
+use super::Allowed;
+use crate::bsdf::Parts;
+use crate::cache::Cache;
+use crate::integrator::cached::file::{CacheFileError, Reader};
+use crate::integrator::cached::kind::{Found, GlossyKind, KindFigures, Shaded};
+use crate::integrator::cached::settings::Quality;
+use crate::integrator::cached::site::Site;
+use crate::record::eas::EasRecord;
+use crate::record::{Receiver, Scratch};
+use crate::scene::Rgb;
+use crate::scene::checksum::Hash;
+use crate::world::Counts;
+use brdf_tables::brdf::Specular;
+use brdf_tables::material::Material as Recipe;
+use brdf_tables::table::Table;
+use glam::Vec3A;
+pub use want::{Held, Lobe, Sharpness};
+
+/// Tables of a scene's materials.
+#[derive(Clone, Debug, Default)]
+pub struct Eas {
+    /// Tables in use.
+    pub lobes: Vec<Lobe>,
+    sharpest: Sharpness,
+}
+
+impl GlossyKind for Eas {
+    const NAME: &'static str = "eas";
+    const ABOUT: &'static str = "EAS on every glossy surface that a table can hold";
+    const MEAN_KEY: &'static str = "eas_mean";
+    const TABLES: bool = true;
+    const SALT: u64 = 3;
+
+    type Record = EasRecord;
+    type Held = Held;
+    type Scratch = Scratch;
+
+    fn alone(_: f32) -> Allowed {
+        Allowed::Eas
+    }
+
+    fn ask(&mut self, allowed: &Allowed) -> bool {
+        let sharpest = Sharpness::of(allowed);
+        self.sharpest = sharpest.unwrap_or_default();
+        sharpest.is_some()
+    }
+
+    fn hold<E>(
+        &mut self,
+        specular: Specular,
+        table: &mut impl FnMut(&Recipe) -> Result<Table, E>,
+    ) -> Result<(Option<Held>, String), E> {
+        self.wanted(specular, table)
+    }
+
+    fn outlook(specular: &Specular) -> Option<String> {
+        Some(want::outlook(specular))
+    }
+
+    fn key(&self, tables: &mut Hash, _: &mut Hash) {
+        for lobe in &self.lobes {
+            // A table that was too large for its file would have none to be told from.
+            tables.bytes(&lobe.table.to_bytes().unwrap_or_default());
+        }
+    }
+
+    #[inline(always)]
+    fn lobe_width(&self, held: Held) -> f32 {
+        self.lobes[held.lobe].width
+    }
+
+    fn serves(&self, _: Held, _: Vec3A) -> bool {
+        true
+    }
+
+    fn make(&self, held: Held, site: &Site) -> Option<(EasRecord, Counts)> {
+        let (record, _, counts) = self.record(held, site)?;
+        Some((record, counts))
+    }
+
+    fn light(
+        &self,
+        held: Held,
+        record: &EasRecord,
+        parts: &Parts,
+        at: &Receiver,
+        quality: &Quality,
+        scratch: &mut Scratch,
+    ) -> Rgb {
+        self.reflected(held, record, parts, at, quality, scratch)
+    }
+
+    #[inline(always)]
+    fn reflect(
+        &self,
+        held: Held,
+        cache: &Cache<EasRecord>,
+        at: &Shaded,
+        quality: &Quality,
+        scratch: &mut Scratch,
+    ) -> Found {
+        self.interpolated(held, cache, at, quality, scratch)
+    }
+
+    fn write(record: &EasRecord, bytes: &mut Vec<u8>) {
+        file::write(record, bytes);
+    }
+
+    fn read(reader: &mut Reader) -> Result<EasRecord, CacheFileError> {
+        file::read(reader)
+    }
+
+    fn elements(record: &EasRecord) -> usize {
+        record.sources.len()
+    }
+
+    fn sentence(figures: &KindFigures) -> String {
+        format!("{} EAS records of {:.0} sources", figures.records, figures.mean())
+    }
+}

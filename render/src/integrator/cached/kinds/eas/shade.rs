@@ -1,0 +1,64 @@
+//! What EAS records reflect (eas-2015, eq. 17).
+
+use super::{Eas, Held};
+use crate::bsdf::{Parts, Split};
+use crate::cache::Cache;
+use crate::integrator::cached::kind::{FOUND, Found, Shaded};
+use crate::integrator::cached::settings::Quality;
+use crate::record::eas::{EasRecord, mean_radiance};
+use crate::record::{Receiver, Record, Reflected, Reflector, Scratch, reflect};
+use crate::scene::Rgb;
+
+/// Doubt about records that is borne without tracing.
+const DOUBT: f32 = 0.1;
+
+impl Eas {
+    /// What one record reflects at a point.
+    pub(super) fn reflected(
+        &self,
+        held: Held,
+        record: &EasRecord,
+        parts: &Parts,
+        at: &Receiver,
+        quality: &Quality,
+        scratch: &mut Scratch,
+    ) -> Rgb {
+        let lobe = &self.lobes[held.lobe];
+        let reflector = Reflector::of(&lobe.table, parts);
+        let found = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
+        parts.diffuse * mean_radiance(found.irradiance) + found.specular
+    }
+
+    /// Eq. 17, and the share of it that is to be traced instead because records say little of this point.
+    #[inline(always)]
+    pub(super) fn interpolated(
+        &self,
+        held: Held,
+        cache: &Cache<EasRecord>,
+        surface: &Shaded,
+        quality: &Quality,
+        scratch: &mut Scratch,
+    ) -> Found {
+        let lobe = &self.lobes[held.lobe];
+        let (at, parts) = (&surface.at, surface.parts);
+        let reflector = Reflector::of(&lobe.table, parts);
+        let (mut sum, mut weights) = (Reflected::default(), 0.0);
+        // `sum.trust` is the weight of the specular sum.
+        cache.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
+            if record.zone().material == surface.material {
+                let part = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
+                sum.irradiance += part.irradiance * w;
+                sum.specular += part.specular * (w * part.trust);
+                sum.trust += w * part.trust;
+                weights += w;
+            }
+        });
+        let doubt = ((1.0 - sum.trust / weights) - DOUBT) / (1.0 - DOUBT);
+        let doubt = doubt.max(0.0);
+        let light = (weights > FOUND).then(|| Split {
+            diffuse: parts.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
+            glossy: sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
+        });
+        Found { light, traced: held.traced.max(doubt), doubt }
+    }
+}

@@ -1,0 +1,48 @@
+//! What a cached rendering did.
+
+use super::caches::Caches;
+use super::kind::KindFigures;
+use super::kinds::PerKind;
+use std::time::Duration;
+
+/// What a cached rendering did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// Time to fill the caches.
+    pub fill: Duration,
+    /// Time from there to the picture.
+    pub shade: Duration,
+    /// Glossy records, by kind.
+    pub glossy: PerKind<KindFigures>,
+    /// Irradiance records, coarse ones included.
+    pub irradiance_records: usize,
+    /// Pixels whose indirect light is negative in some channel: ringing.
+    pub negative_pixels: u64,
+    /// Bytes of all records.
+    pub bytes: usize,
+    /// τ in force.
+    pub tolerance: f32,
+}
+
+impl Figures {
+    /// Those of records; times and pixels are not known yet.
+    pub(super) fn of(caches: &Caches, tolerance: f32) -> Self {
+        Self {
+            glossy: caches.glossy.figures(),
+            irradiance_records: caches.irradiance.records().len() + caches.coarse.records().len(),
+            bytes: caches.bytes(),
+            tolerance,
+            ..Self::default()
+        }
+    }
+
+    /// Glossy records of all kinds together.
+    pub fn all_glossy(&self) -> KindFigures {
+        self.glossy.iter().copied().sum()
+    }
+
+    /// Records of all kinds.
+    pub fn records(&self) -> usize {
+        self.all_glossy().records + self.irradiance_records
+    }
+}
