@@ -1,5 +1,5 @@
-//! Commands of the manuals. Those of every block are parsed by the programs; those of blocks marked `sh test`, which are short,
-//! are run in a copy of the scenes and tables.
+//! Commands of the manuals. Those of every block are parsed by the programs; those of blocks below [`MARK`], which are short, are
+//! run in a copy of the scenes and tables.
 
 use super::{PAGES, page, root};
 use std::path::{Path, PathBuf};
@@ -13,10 +13,14 @@ fn program(name: &str) -> PathBuf {
     path
 }
 
-/// Fenced blocks whose language begins with `sh`, as what follows `sh` and what is inside.
-fn blocks(text: &str) -> impl Iterator<Item = (&str, &str)> {
-    let fenced = text.split("```").skip(1).step_by(2);
-    fenced.filter_map(|b| b.strip_prefix("sh")).filter_map(|b| b.split_once('\n'))
+/// What stands on the line above a block that is run.
+const MARK: &str = "<!-- run by the tests -->\n";
+
+/// Fenced blocks of shell, and whether they are marked.
+fn blocks(text: &str) -> impl Iterator<Item = (bool, &str)> {
+    let parts: Vec<&str> = text.split("```").collect();
+    let pairs = (1..parts.len()).step_by(2).map(move |i| (parts[i - 1].ends_with(MARK), parts[i]));
+    pairs.filter_map(|(marked, block)| Some((marked, block.strip_prefix("sh\n")?)))
 }
 
 /// Lines of shell: those of blocks, and indented ones elsewhere, without comments and with continued lines joined.
@@ -71,7 +75,7 @@ fn mistakes_in_commands_are_found() {
         calls("a && /usr/bin/time -v render info b | fitter query c < d; cargo run -p render"),
         [vec!["render", "info", "b"], vec!["fitter", "query", "c"],]
     );
-    let text = "```sh test\nfitter info a  # b\n```\nrender this\n\n    render image a \\\n        -o b\n";
+    let text = "```sh\nfitter info a  # b\n```\nrender this\n\n    render image a \\\n        -o b\n";
     assert_eq!(lines(text), ["fitter info a", "render image a -o b"]);
     for good in [&["render", "image", "a.xml", "--method", "auto"][..], &["fitter", "fit", "phong:exponent=1"]] {
         assert!(parsed(good).status.success(), "{good:?}");
@@ -112,7 +116,7 @@ fn short_commands_of_manuals_run() {
     let mut found = 0;
     for name in PAGES {
         let text = page(name);
-        for (_, block) in blocks(&text).filter(|(mark, _)| mark.trim() == "test") {
+        for (_, block) in blocks(&text).filter(|(marked, _)| *marked) {
             found += 1;
             let place = tempfile::tempdir().unwrap();
             for part in ["tests/scenes", "tables"] {
