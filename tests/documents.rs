@@ -1,6 +1,26 @@
-//! Documents of the repository: what they name exists.
+//! Documents of the repository: what they name exists, and what they tell a reader to type is understood.
+
+mod commands;
+mod links;
 
 use std::path::{Path, PathBuf};
+
+/// The pages that teach a user, and those of figures, from the root.
+const PAGES: [&str; 8] = [
+    "README.md",
+    "brdf-tables/README.md",
+    "fitter/README.md",
+    "render/README.md",
+    "tables/README.md",
+    "brdf-tables/doc/measurements.md",
+    "fitter/doc/measurements.md",
+    "render/doc/measurements.md",
+];
+
+/// A page as text.
+fn page(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -18,7 +38,7 @@ fn paths(text: &str) -> impl Iterator<Item = &str> {
 /// Names in the page of architecture: a path from the root, or a part that the text or the row of the table has led to.
 #[test]
 fn architecture_names_what_exists() {
-    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let text = page("ARCHITECTURE.md");
     let places = ["", "brdf-tables/src", "fitter/src", "render/src", "render/src/scene", "tests"];
     let (mut found, mut missing) = (0, Vec::new());
     for path in paths(&text) {

@@ -17,17 +17,20 @@ pub const OUTER: u8 = Rule::Disc(4).index();
 /// For views beyond the far angle of a node: the BRDF at the cap's axis stands for the mean.
 pub const FAR: u8 = Rule::Disc(1).index();
 
-/// What a table says of one node: the cheapest rule of either kind within the lobe, and the angles between `wo` and the
-/// mirrored cap axis, in steps of π/255 rounded up, beyond which a disc of 4 nodes and the BRDF at the axis do.
+/// What a table says of one cap: which rule integrates it, which depends on how far the view is from its highlight.
+///
+/// Let β be the angle between `wo` and the mirror direction of the cap's axis. Near the highlight, at β below `outer`, the
+/// BRDF varies over the cap, and the cheaper of `disc` and `product` is taken. From `outer` on a disc of 4 nodes is accurate
+/// enough, and from `far` on the BRDF at the cap's axis. Both angles are in steps of π/255, rounded up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Node {
     /// Disc rule, an index into [`RULES`], or [`NONE`].
     pub disc: u8,
     /// Product rule, an index into [`RULES`].
     pub product: u8,
-    /// Where [`OUTER`] begins to do.
+    /// The angle β from which [`OUTER`] is accurate enough.
     pub outer: u8,
-    /// Where the BRDF at the axis begins to do.
+    /// The angle β from which the BRDF at the axis is accurate enough.
     pub far: u8,
 }
 

@@ -12,21 +12,26 @@ use core::ops::Range;
 use fearless_simd::{Simd, f32x16, prelude::*, u8x64, u32x16};
 use glam::{DVec3, Vec3};
 
-/// What depends on `wo` alone: the lobe's footprint, the rotation into the frame of `wo`, and the one back.
+/// What depends on the direction to the eye, `wo`, alone, so that it is computed once for all caps of a look-up.
+///
+/// The integrals are taken in the *frame of `wo`*: the surface frame turned about the normal until `wo` lies in the plane
+/// y = 0. A rotation about the normal is kept as the cosine and sine of its angle ([`into_frame`]).
 pub struct View {
-    /// `wo` in the frame of discs, and the rotation from the surface frame into that: the frame of `wo` for an isotropic
-    /// formula, so that turning all does not turn the nodes, the surface frame for an anisotropic one, which needs it.
+    /// `wo` in the frame in which disc rules are taken, and the rotation from the surface frame into it. An isotropic formula
+    /// does not change when everything turns about the normal: it is evaluated in the frame of `wo`. An anisotropic one has
+    /// axes of its own on the surface: it is evaluated in the surface frame, and the rotation does nothing.
     pub disc: ([f64; 3], (f64, f64)),
-    /// Of the lobe.
+    /// Where the lobe of `wo` lies and how wide it is.
     pub lobe: Footprint,
-    /// (cos, sin) of the azimuth of `wo`.
+    /// Rotation from the surface frame into the frame of `wo`: (cos, sin) of the azimuth of `wo`.
     pub rotation: (f64, f64),
-    /// The same for an anisotropic formula, none for an isotropic one.
+    /// By how much the nodes of a product rule are turned back before the formula is evaluated: by `rotation` if it is
+    /// anisotropic, not at all if it is isotropic.
     pub turn: (f64, f64),
 }
 
 impl View {
-    /// From `wo`.
+    /// The view along `wo`, for the formula of a table.
     pub fn new(table: &Cubature, wo: DVec3) -> Self {
         let (lobe, rotation) = table.specular.footprint(wo);
         let none = (1.0, 0.0);

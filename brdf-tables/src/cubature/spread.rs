@@ -4,8 +4,12 @@ use super::rule::{Grid, Nodes, Ring};
 use crate::real::LANES;
 use core::array::from_fn;
 
-/// The nodes of a rule in lanes: those of a disc rule, or the outer ones of a product rule, several times where the lanes
-/// suffice, each with its share of the inner ones.
+/// A rule laid over the lanes of a vector, so that one cap fills it.
+///
+/// A disc rule has one node in each lane, of several vectors if it has more nodes than lanes; a small one is repeated, and each
+/// copy serves a cap of its own. A product rule has
+/// one of its outer nodes in each lane, and each lane runs through the inner nodes; where there are at least twice as many
+/// lanes as outer nodes, several lanes hold the same outer node and divide its inner nodes among them.
 #[derive(Clone, Debug)]
 pub struct Spread {
     /// The nodes; those that fill up a vector have weight 0.
@@ -20,7 +24,7 @@ pub struct Spread {
 const REST: usize = 3;
 
 impl Spread {
-    /// Of a rule.
+    /// Lays a rule over the lanes.
     pub fn new(rule: &Nodes<f64>) -> Self {
         match rule {
             Nodes::Disc(rings) => {

@@ -61,7 +61,7 @@ pub struct Args {
     /// Optimiser of the lobes [default: lm, the fastest and the most accurate]
     #[arg(long, value_name = "NAME", value_parser = solvers())]
     solver: Option<SolverKind>,
-    /// Lobes per cell, 1 to 16, or auto: as few as the tolerance needs [default: auto; 2 on the grid of the paper]
+    /// Lobes per cell, 1 to 16, or auto: as few as the tolerance needs [default: auto; 1 with --preset paper]
     #[arg(long, value_name = "K|auto", allow_hyphen_values = true)]
     lobes: Option<Count>,
     /// Root mean square error over the lobe to reach, as a fraction of the peak

@@ -207,9 +207,9 @@ pub fn fit(material: &Material, options: &Options) -> Result<Table, FitError> {
     Ok(Table { header, representation: fitted.representation, axes, cells })
 }
 
-/// The representation asked for, or the cheapest that meets the tolerance: the zonal table (about 5 ns a value) where the
-/// lobe is radial; cubature (8 to 100 ns) otherwise, which fits every model. Lobes cost as much as cubature of equal error
-/// at best (`fitter chart` draws it), so they are fitted on demand.
+/// The representation asked for, or the cheapest that meets the tolerance: the zonal table where the lobe is radial, else
+/// cubature, which takes two to three times as long for a value (`cargo bench -p brdf-tables`) and fits every model. Lobes
+/// cost as much as cubature of equal error at best (`fitter chart` draws it), so they are fitted on demand.
 fn represent(specular: &Specular, options: &Options) -> Result<Fitted, FitError> {
     match options.representation {
         Choice::Auto if specular.radial_exponent().is_some() => {

@@ -49,9 +49,13 @@ impl RadiusPolicy {
     }
 }
 
-/// Neighbour clamping (Křivánek et al. 2006): a record that sees something near tells its neighbours, which cannot be
-/// farther from it than their distance more. Shrinks the neighbours in the cache, returns the radius of the new record,
-/// never less than `smallest`.
+/// Neighbour clamping (Křivánek et al. 2006).
+///
+/// The radius of a record is meant to follow its distance to the nearest surface. By the triangle inequality the distances of two
+/// records differ by no more than the records are apart, but a gather may miss a small thing nearby, and then a radius is
+/// too large. So where the new record lies within the reach of another, the larger of both radii is cut down to the smaller one plus
+/// the distance between them. Shrinks the neighbours in the cache, returns the radius of the new record; neither becomes less
+/// than `smallest`.
 pub fn clamp_to_neighbours<R: Record>(cache: &mut Cache<R>, position: Vec3A, radius: f32, smallest: f32) -> f32 {
     let mut neighbours = Vec::new();
     cache.octree.visit(position, |i| neighbours.push(i as usize));

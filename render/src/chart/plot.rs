@@ -12,9 +12,9 @@ const LINE: f64 = 20.0;
 
 /// One method.
 pub struct Series {
-    /// In the legend.
+    /// Name of the curve in the legend.
     pub name: String,
-    /// Of line and markers.
+    /// Colour of its line and markers.
     pub color: RGBColor,
     /// In the order in which the line joins them; both coordinates > 0.
     pub points: Vec<(f64, f64)>,
@@ -24,9 +24,9 @@ pub struct Series {
 
 /// What the axes say.
 pub struct Axes {
-    /// Below.
+    /// Title of the horizontal axis.
     pub x: &'static str,
-    /// On the left.
+    /// Title of the vertical axis.
     pub y: &'static str,
     /// A level that no point can be told from, with its name.
     pub floor: Option<(f64, &'static str)>,

@@ -35,13 +35,17 @@ pub struct Args {
     /// How to render.
     #[arg(long, value_enum, default_value_t = Method::Path)]
     pub(super) method: Method,
-    /// How EAS are moved and summed: the published way, or ours [default: improved].
+    /// How the equivalent area lights (EAS) of a record are moved to a pixel and summed [default: improved].
     #[arg(long, value_enum)]
     pub(super) eas: Option<Estimator>,
-    /// Sources of every EAS record, instead of as few as tau allows; a tree has 7, 10, 13… of them.
+    /// Equivalent area lights (EAS) in every record: 7, 10, 13, … [default: as few as tau allows].
     #[arg(long, value_name = "N", value_parser = whole(7..=4096u16, ""))]
     pub(super) sources: Option<u16>,
-    /// Harmonics of every view, instead of the least that lose no more of its lobe than tau allows; no view is path traced then.
+    /// Order of the harmonics: N bands, N² coefficients per channel in every record. The sharper a lobe, the more bands it takes.
+    ///
+    /// By default each direction to the eye gets the lowest order that keeps the lobe to the accuracy of --tau, and directions
+    /// that 29 bands do not hold are path traced. With --order all are drawn from N bands, however blurred: to compare with a
+    /// fixed size of record.
     #[arg(long, value_name = "N", value_parser = whole(1..=MAX_ORDER as u8, ""))]
     pub(super) order: Option<u8>,
     /// How harmonic records change with position [default: analytic].

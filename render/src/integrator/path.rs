@@ -1,4 +1,4 @@
-//! The path tracer: the truth the caches are judged by, their rival, and the engine that fills them.
+//! The path tracer: the truth the caches are judged by, and their rival. The rays that fill them are those of [`super::cached::IncidentTracer`].
 
 use super::media::Media;
 use super::{Integrator, Radiance};

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3A};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
-    /// As published in 2015: E′ and Ω′ of eq. 16, Ward's weights.
+    /// As published in "A Radiance Cache Method for Highly Glossy Surfaces", 2015: irradiance and solid angle by its eq. 16.
     Paper,
     /// Irradiance of clipped caps, bounded foreshortening, background plus residual, smooth weights.
     #[default]
