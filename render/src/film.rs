@@ -1,6 +1,7 @@
 //! From an integrator to a picture: passes over all pixels in parallel until a budget is spent.
 
 use crate::camera::RayGenerator;
+use crate::image::Image;
 use crate::integrator::{Integrator, Radiance};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
@@ -190,6 +191,18 @@ fn next_pass(picture: &Picture, budget: Budget, start: Instant) -> Option<(u32, 
 }
 
 impl Picture {
+    /// The whole light, as a picture.
+    pub fn image(&self) -> Image {
+        let scale = 1.0 / self.spp.max(1) as f32;
+        let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
+        Image { width: self.width, height: self.height, pixels }
+    }
+
+    /// Share of a pixel's samples that met a surface.
+    pub fn alpha(&self, pixel: &Pixel) -> f32 {
+        pixel.surfaces as f32 / self.spp.max(1) as f32
+    }
+
     /// Variance of a pixel's mean, from the differences between passes, which see the even distribution of the samples
     /// inside each; `None` with less than two passes.
     pub fn variance(&self, pixel: &Pixel) -> Option<Rgb> {

@@ -18,6 +18,6 @@ pub mod ray;
 pub mod record;
 pub mod sampler;
 pub mod scene;
+#[cfg(feature = "fit")]
 pub mod tables;
 pub mod world;
-pub mod z_test;

@@ -7,7 +7,7 @@ use crate::chart::plan::{Plan, Reference};
 use crate::chart::setting::{Setting, parse_tau, parse_time};
 use anyhow::{Context, Result, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use fitter::command::number::{number, whole};
+use kit::number::{number, whole};
 use render::integrator::cached::TOLERANCE;
 use render::integrator::cached::policy::Allowed;
 use render::record::harmonics::MAX_ORDER;

@@ -1,12 +1,12 @@
 //! `render compare`.
 
 use anyhow::{Context, Result, bail};
-use fitter::command::number::{number, whole};
-use fitter::command::output::Outputs;
+use kit::number::{number, whole};
+use kit::output::Outputs;
 use render::image::{Image, Pixels, read_noise, read_pixels, write_png};
 use render::metric::defects::Defects;
+use render::metric::z_scores::{ZScores, ZTest, z_test};
 use render::metric::{Comparison, compare, false_color};
-use render::z_test::{ZScores, ZTest, z_test};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -121,9 +121,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         })? + "\n"
     } else {
         let Comparison { rmse, rel_mse, bias, max, flip } = figures;
-        format!(
-            "rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}\n"
-        )
+        let flip = flip.map_or("not in this build".into(), |x| format!("{x:.6}"));
+        format!("rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip}\n")
     };
     let text = match &z_test {
         Some(z) if !args.json => {

@@ -1,5 +1,6 @@
 //! `render image`.
 
+use super::choices::{BASES, ESTIMATORS, GRADIENTS, choices};
 use super::lens::Optics;
 use super::look::{self, Looking};
 use super::method::{Method, Reach};
@@ -9,8 +10,8 @@ use super::reading::Reading;
 use super::view::{self, MAX_SIZE, parse_crop};
 use crate::chart::setting::{parse_tau, parse_time};
 use anyhow::{Context, Result};
-use fitter::command::number::{number, whole};
-use indicatif::{ProgressBar, ProgressStyle};
+use kit::number::{number, whole};
+use kit::with_progress;
 use render::cache::Spacing;
 use render::film::{Budget, Picture, render};
 use render::integrator::PathTracer;
@@ -44,7 +45,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Method::Path)]
     pub(super) method: Method,
     /// How EAS are moved and summed: the published way, or ours [default: improved].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&ESTIMATORS))]
     pub(super) eas: Option<Estimator>,
     /// Sources of every EAS record, instead of as few as tau allows; a tree has 7, 10, 13… of them.
     #[arg(long, value_name = "N", value_parser = whole(7..=4096u16, ""))]
@@ -53,10 +54,10 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = whole(1..=MAX_ORDER as u8, ""))]
     pub(super) order: Option<u8>,
     /// How harmonic records change with position [default: analytic].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&GRADIENTS))]
     pub(super) gradients: Option<Gradients>,
     /// Which harmonics: in the frame of the record, or in that of the world [default: hemispherical].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&BASES))]
     pub(super) basis: Option<Basis>,
     /// What decides how far records reach [default: hessian, distance with --eas paper].
     #[arg(long, value_enum)]
@@ -165,7 +166,7 @@ fn cached(
         kept = Some(loaded.map_err(|e: CacheFileError| anyhow::anyhow!("{}: {e}", path.display()))?);
     }
     let (picture, figures, caches) =
-        pool.install(|| with_progress(|progress| render_cached(world, &policy, &settings, kept, progress)));
+        pool.install(|| with_progress("image", |progress| render_cached(world, &policy, &settings, kept, progress)));
     stats.take(&figures, fitting);
     let glossy = match args.method {
         Method::Sh => format!("{} harmonic records of order {:.1}", figures.harmonics_records, stats.order_mean),
@@ -261,8 +262,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Method::Path => {
             let shading = Instant::now();
             let integrator = PathTracer { settings: world.scene.integrator, indirect_only: args.indirect_only };
-            let picture =
-                pool.install(|| with_progress(|progress| render(&world, &integrator, budget, args.seed, progress)));
+            let picture = pool.install(|| {
+                with_progress("image", |progress| render(&world, &integrator, budget, args.seed, progress))
+            });
             stats.seconds.shade = shading.elapsed().as_secs_f64();
             (picture, None)
         }
@@ -299,21 +301,4 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
         (_, _, Some(error)) => Budget::Error(error),
         (spp, ..) => Budget::Samples(spp.unwrap_or(scene.integrator.spp)),
     }
-}
-
-/// Renders with a bar and the time left on standard error, where that is a terminal.
-pub(super) fn with_progress<T>(render: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
-    const STEPS: u64 = 1000;
-    let bar = ProgressBar::new(STEPS);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} passed, {eta} left") {
-        bar.set_style(style);
-    }
-    let out = render(&|share| {
-        let position = (share * STEPS as f64) as u64;
-        if position > bar.position() {
-            bar.set_position(position);
-        }
-    });
-    bar.finish_and_clear();
-    out
 }

@@ -1,6 +1,7 @@
 //! The command line: arguments, and one file per command.
 
 mod chart;
+mod choices;
 mod compare;
 mod image;
 mod info;
@@ -15,7 +16,6 @@ mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use fitter::command;
 use std::process::ExitCode;
 pub(crate) use view::{require_memory, resize};
 
@@ -43,8 +43,8 @@ enum Command {
 
 /// Runs the command; 0 done, 1 a check failed, 2 bad input or usage.
 pub fn run() -> ExitCode {
-    command::watch();
-    let cli: Cli = match command::parse("render") {
+    kit::watch();
+    let cli: Cli = match kit::parse("render") {
         Ok(cli) => cli,
         Err(code) => return code,
     };
@@ -56,7 +56,7 @@ pub fn run() -> ExitCode {
         Command::Chart(args) => chart::run(args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("render: {}", command::one_line(&error));
+        eprintln!("render: {}", kit::one_line(&error));
         ExitCode::from(2)
     })
 }

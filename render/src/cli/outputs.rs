@@ -2,7 +2,7 @@
 
 use super::image::{Args, Stats};
 use anyhow::{Result, bail};
-use fitter::command::output::{self, Outputs};
+use kit::output::{self, Outputs};
 use render::film::Picture;
 use render::image::{Format, Look, write_picture, write_png};
 use render::inspect::overlay::show_records;
@@ -56,7 +56,7 @@ pub(super) fn write(
     let mut failures = Vec::new();
     let mut tried = |path: &Path, result: Result<()>| {
         if let Err(error) = result {
-            failures.push(fitter::command::one_line(&error.context(path.display().to_string())));
+            failures.push(kit::one_line(&error.context(path.display().to_string())));
         }
     };
     for path in &args.output {

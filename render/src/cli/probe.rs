@@ -1,11 +1,11 @@
 //! `render probe`.
 
-use super::image::with_progress;
+use super::choices::{ESTIMATORS, choices};
 use super::reading::Reading;
 use super::view::{MAX_SIZE, resize};
 use crate::chart::setting::parse_tau;
 use anyhow::{Context, Result};
-use fitter::command::{number::whole, output};
+use kit::{number::whole, output, with_progress};
 use render::cache::Spacing;
 use render::image::{write_png, write_whole};
 use render::inspect::disk::{Disk, exposure};
@@ -56,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "TAU", default_value_t = TOLERANCE, value_parser = parse_tau())]
     tau: f32,
     /// Estimator of the cut and of the reflected radiance; the error curves always show both.
-    #[arg(long, value_enum, default_value_t = Estimator::Improved)]
+    #[arg(long, value_parser = choices(&ESTIMATORS), default_value = "improved")]
     eas: Estimator,
     /// Width of the film in pixels; keeps the aspect.
     #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
@@ -93,7 +93,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Quality::new(args.tau, Estimator::Improved, Spacing::default()),
         args.seed,
     );
-    let probe = with_progress(|progress| builder.probe(args.pixel, SAMPLES, progress))
+    let probe = with_progress("probe", |progress| builder.probe(args.pixel, SAMPLES, progress))
         .with_context(|| args.scene.display().to_string())?;
     let reflector = probe.reflector();
     let place = Place { position: probe.point.at.p, frame: probe.frame, reflector, albedo: &probe.lobe.albedo };
@@ -114,7 +114,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let radiances: Vec<_> = probe.uniform.iter().map(|s| s.radiance).collect();
     let light = exposure(&radiances);
     let disk = Disk::new(REFLECTED_SIZE);
-    let exact_values = with_progress(|progress| exact(&probe.uniform, &reflector, &disk.directions(), progress));
+    let exact_values =
+        with_progress("probe", |progress| exact(&probe.uniform, &reflector, &disk.directions(), progress));
     let shown = exposure(&exact_values);
     let exact_image = disk.image(&exact_values, shown);
     let eas_image = disk.image(&made.reflected(&place, &disk.directions()), shown);

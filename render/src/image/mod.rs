@@ -1,14 +1,18 @@
 //! Pictures in memory and in files.
 
+#[cfg(feature = "formats")]
 mod raster;
+#[cfg(feature = "formats")]
 mod read;
 pub mod view;
+#[cfg(feature = "formats")]
 mod write;
 
-use thiserror::Error;
-
+#[cfg(feature = "formats")]
 pub use raster::{Format, write_png};
+#[cfg(feature = "formats")]
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
+#[cfg(feature = "formats")]
 pub use write::{Look, write_picture, write_whole};
 
 /// Linear RGB, row by row from the top.
@@ -22,8 +26,18 @@ pub struct Image {
     pub pixels: Vec<[f32; 3]>,
 }
 
+/// A picture with the variance of every pixel's mean, as its own rendering estimated it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Variance of the mean, by pixel and channel.
+    pub variance: Image,
+    /// Samples per pixel behind it.
+    pub spp: u32,
+}
+
 /// Why a picture could not be read or written.
-#[derive(Debug, Error)]
+#[cfg(feature = "formats")]
+#[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     /// It cannot be read.
     #[error("{path}: {error}")]
@@ -35,7 +49,7 @@ pub enum ImageError {
     },
     /// It cannot be written.
     #[error(transparent)]
-    Output(#[from] fitter::command::output::OutputError),
+    Output(#[from] kit::output::OutputError),
     /// The content is broken or too large.
     #[error("{path}: {reason}")]
     Content {

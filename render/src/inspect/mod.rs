@@ -1,5 +1,6 @@
 //! Records under the lens: pictures and numbers (eas-2015, Figs. 5–7).
 
+#[cfg(feature = "cli")]
 pub mod chart;
 pub mod disk;
 pub mod overlay;

@@ -9,7 +9,7 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3A};
 
 /// How EAS are moved and summed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
     /// As published in 2015: E′ and Ω′ of eq. 16, Ward's weights.

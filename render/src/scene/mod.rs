@@ -6,6 +6,7 @@
 mod camera;
 pub mod checksum;
 mod light;
+#[cfg(feature = "formats")]
 pub mod load;
 mod material;
 mod mesh;

@@ -9,8 +9,7 @@ mod raster;
 mod window;
 
 use super::write::content;
-use super::{Image, ImageError, from_srgb};
-use crate::z_test::Noise;
+use super::{Image, ImageError, Noise, from_srgb};
 use std::path::Path;
 
 pub use window::{Window, Windows};
