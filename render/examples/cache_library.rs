@@ -5,11 +5,9 @@ use brdf_tables::table::Table;
 use glam::Vec3A;
 use render::cache::{Cache, Weight};
 use render::frame::Frame;
-use render::gather::{Incident, gather_uniform};
+use render::hemisphere::{Incident, gather_uniform, hemisphere_directions};
 use render::record::eas::{EasRecord, Estimator};
-use render::record::{
-    Albedo, Centroid, CutSettings, Receiver, Record, Reflector, Scratch, Tree, cut, hemisphere_directions, reflect,
-};
+use render::record::{Albedo, Centroid, CutSettings, Receiver, Record, Reflector, Scratch, Tree, cut, reflect};
 use render::sampler::Sampler;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,8 @@
 //! What the targets share: what must hold of a mesh, a picture, a scene once they are read.
 
 use glam::Affine3A;
-use render::film::{self, Budget};
+use render::film::{self};
+use render::picture::Budget;
 use render::image::{self, ImageError};
 use render::integrator::PathTracer;
 use render::scene::load::mesh::{Finish, Mirrored, Parsed, finish};

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use render::cache::Spacing;
-use render::film::Budget;
+use render::picture::Budget;
 use render::integrator::cached::file::{from_bytes, save};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Caches, Settings, TOLERANCE, render_cached};

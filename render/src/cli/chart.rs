@@ -1,7 +1,6 @@
 //! `render chart`.
 
 use super::reading::Reading;
-use super::view::MAX_SIZE;
 use crate::chart::method::{Engine, METHODS, Method, Size, find};
 use crate::chart::plan::{Plan, Reference};
 use crate::chart::setting::{Setting, parse_tau, parse_time};
@@ -11,6 +10,7 @@ use kit::number::{number, whole};
 use render::integrator::cached::TOLERANCE;
 use render::integrator::cached::policy::Allowed;
 use render::record::harmonics::MAX_ORDER;
+use render::scene::Film;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -74,7 +74,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = whole(1..=1u32 << 16, ""))]
     spp: Option<u32>,
     /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     width: Option<u32>,
     #[command(flatten)]
     reading: Reading,

@@ -7,20 +7,21 @@ use super::method::{Method, Reach};
 use super::options;
 use super::outputs::{self, Records};
 use super::reading::Reading;
-use super::view::{self, MAX_SIZE, parse_crop};
+use super::view::{self, parse_crop};
 use crate::chart::setting::{parse_tau, parse_time};
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use kit::number::{number, whole};
 use kit::with_progress;
 use render::cache::Spacing;
-use render::film::{Budget, Picture, render};
+use render::film::render;
 use render::integrator::PathTracer;
 use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Figures, Settings, TOLERANCE, render_cached};
+use render::picture::{Budget, Picture, require_memory};
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
-use render::scene::{Crop, Scene, load};
+use render::scene::{Crop, Film, Scene, load};
 use render::tables::Tables;
 use render::world::{Counts, World};
 use serde::Serialize;
@@ -85,10 +86,10 @@ pub struct Args {
     #[arg(long, value_name = "RELATIVE", value_parser = number(f32::MIN_POSITIVE..=f32::MAX, "a number > 0"))]
     pub(super) error: Option<f32>,
     /// Width of the film in pixels; alone, it keeps the aspect.
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     width: Option<u32>,
     /// Height of the film in pixels; alone, it keeps the aspect.
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     height: Option<u32>,
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
@@ -243,7 +244,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     view::change(&mut scene.camera, args.width, args.height, args.crop);
     look::check_size(&args.output, &scene.camera.film)?;
     let lens = args.optics.check(&scene.camera)?;
-    view::require_memory(&scene.camera, !matches!(args.method, Method::Path), lens)
+    require_memory(&scene.camera, !matches!(args.method, Method::Path), lens)
+        .map_err(Error::msg)
         .with_context(|| args.scene.display().to_string())?;
     scene.integrator.hide_environment = args.looking.transparent;
     if let Some(depth) = args.max_depth {

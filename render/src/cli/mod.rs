@@ -17,7 +17,6 @@ mod view;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-pub(crate) use view::{require_memory, resize};
 
 /// Renders glossy global illumination.
 #[derive(Debug, Parser)]

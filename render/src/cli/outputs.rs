@@ -3,11 +3,11 @@
 use super::image::{Args, Stats};
 use anyhow::{Result, bail};
 use kit::output::{self, Outputs};
-use render::film::Picture;
 use render::image::{Format, Look, write_picture, write_png};
 use render::inspect::overlay::show_records;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Caches, Settings, file};
+use render::picture::Picture;
 use render::world::World;
 use std::path::Path;
 use std::time::Instant;

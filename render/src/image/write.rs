@@ -3,7 +3,7 @@
 use super::ImageError;
 use super::raster::{self, Format};
 use super::view::Display;
-use crate::film::{Picture, Pixel};
+use crate::picture::{Picture, Pixel};
 use crate::scene::Rgb;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{

@@ -5,7 +5,7 @@ use crate::frame::Frame;
 use crate::scene::Rgb;
 use brdf_tables::cap::projected_solid_angle;
 use brdf_tables::real::Real;
-use core::f32::consts::{FRAC_1_PI, TAU};
+use core::f32::consts::TAU;
 use glam::{Vec2, Vec3A};
 
 /// How EAS are moved and summed.
@@ -228,11 +228,6 @@ impl Record for EasRecord {
         let vectors = [self.position, self.normal, self.background];
         vectors.iter().all(|v| v.is_finite()) && self.sources.iter().all(|s| of(s).all(f32::is_finite))
     }
-}
-
-/// Mean radiance of an irradiance: E/π.
-pub fn mean_radiance(irradiance: Rgb) -> Rgb {
-    irradiance * FRAC_1_PI
 }
 
 #[cfg(test)]

@@ -8,14 +8,17 @@ use super::settings::Quality;
 use super::views::RIM_VIEWS;
 use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, clamp_to_neighbours};
 use crate::camera::RayGenerator;
-use crate::film::widest;
 use crate::frame::Frame;
-use crate::gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform};
+use crate::hemisphere::{
+    Cell, GatherSample, Guide, Incident, View, gather_cells, gather_cells_uniform, gather_uniform,
+    hemisphere_directions,
+};
 use crate::record::eas::{EasRecord, Estimator};
 use crate::record::irradiance::{IrradianceRecord, Strata};
-use crate::record::{Cell, Centroid, Guide, Record, Reflector, Tree, View, cut, hemisphere_directions};
+use crate::record::{Centroid, Record, Reflector, Tree, cut};
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
+use crate::simd::widest;
 use crate::world::{Counts, Queries, World};
 use fearless_simd::Level;
 use glam::Vec3A;

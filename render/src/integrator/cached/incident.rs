@@ -2,9 +2,9 @@
 
 use super::direct::{Left, emission, environment, receiver, sample_light};
 use crate::cache::{Cache, Weight};
-use crate::gather::Incident;
+use crate::color::mean_radiance;
+use crate::hemisphere::Incident;
 use crate::ray::Ray;
-use crate::record::eas::mean_radiance;
 use crate::record::irradiance::IrradianceRecord;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};

@@ -18,13 +18,13 @@ mod views;
 
 use crate::cache::Spacing;
 use crate::camera::RayGenerator;
-use crate::film::{Budget, Picture, Pixel, widest};
-use crate::integrator::summable;
+use crate::picture::{Budget, Picture, Pixel, summable};
 use crate::record::eas::Estimator;
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::{CutSettings, Scratch};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
+use crate::simd::widest;
 use crate::world::{Counts, Queries, World};
 pub use build::Builder;
 pub use caches::Caches;
