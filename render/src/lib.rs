@@ -7,6 +7,7 @@ pub mod camera;
 pub mod color;
 pub mod film;
 pub mod frame;
+pub mod glossy;
 pub mod hemisphere;
 pub mod image;
 pub mod inspect;

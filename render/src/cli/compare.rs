@@ -46,7 +46,13 @@ struct Report {
     defects: Defects,
     #[serde(skip_serializing_if = "Option::is_none")]
     z_test: Option<ZTest>,
+    /// What is not there, and why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<&'static str>,
 }
+
+/// In place of an error that this build cannot measure.
+const NO_FLIP: &str = "flip is not in this build (feature `flip`)";
 
 /// The z-test of two pictures with what their files say of their noise.
 fn judge(args: &Args, image: &Image, reference: &Image) -> Result<ZTest> {
@@ -118,11 +124,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             figures,
             defects: Defects::new(&image, &reference).with_context(place)?,
             z_test,
+            note: figures.flip.is_none().then_some(NO_FLIP),
         })? + "\n"
     } else {
         let Comparison { rmse, rel_mse, bias, max, flip } = figures;
-        let flip = flip.map_or("not in this build".into(), |x| format!("{x:.6}"));
-        format!("rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip}\n")
+        let flip = flip.map_or(NO_FLIP.into(), |x| format!("flip     {x:.6}"));
+        format!("rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\n{flip}\n")
     };
     let text = match &z_test {
         Some(z) if !args.json => {
