@@ -19,7 +19,7 @@ mod example;
 const GRID: Grid = Grid { width: 40, height: 30 };
 
 fn table() -> Table {
-    Table::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables/phong-100.tbl")).expect("the table is shipped")
+    Table::load(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables/phong-100.tbl")).expect("the table is shipped")
 }
 
 /// A floor seen at a slant.
@@ -103,7 +103,7 @@ fn filling_is_repeatable() {
 #[test]
 fn what_is_no_glossy_surface_is_refused() {
     let corners = (Vec3A::splat(-2.0), Vec3A::splat(2.0));
-    let diffuse = Table::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/diffuse.tbl")).unwrap();
+    let diffuse = Table::load(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/diffuse.tbl")).unwrap();
     assert_eq!(GlossyCache::new(corners, vec![table(), diffuse], 0.02).unwrap_err(), GlossyError::Diffuse(1));
     for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(matches!(GlossyCache::new(corners, vec![table()], bad), Err(GlossyError::Tolerance(_))), "{bad}");
