@@ -1,7 +1,6 @@
 //! What a rendering is while it is made: light by the way it took, sums of a pixel, a picture of them, and when it is done.
 
 use crate::bsdf::Split;
-use crate::image::Image;
 use crate::memory;
 use crate::scene::{Camera, Crop, Rgb};
 use crate::world::{Counts, Queries};
@@ -129,13 +128,6 @@ pub fn require_memory(camera: &Camera, cached: bool, lens: bool) -> Result<(), S
 }
 
 impl Picture {
-    /// The whole light, as a picture.
-    pub fn image(&self) -> Image {
-        let scale = 1.0 / self.spp.max(1) as f32;
-        let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
-        Image { width: self.width, height: self.height, pixels }
-    }
-
     /// Share of a pixel's samples that met a surface.
     pub fn alpha(&self, pixel: &Pixel) -> f32 {
         pixel.surfaces as f32 / self.spp.max(1) as f32

@@ -8,6 +8,8 @@ pub mod view;
 #[cfg(feature = "formats")]
 mod write;
 
+use crate::picture::Picture;
+
 #[cfg(feature = "formats")]
 pub use raster::{Format, write_png};
 #[cfg(feature = "formats")]
@@ -24,6 +26,15 @@ pub struct Image {
     pub height: u32,
     /// `width · height` pixels.
     pub pixels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// The whole light, as a picture.
+    pub fn image(&self) -> Image {
+        let scale = 1.0 / self.spp.max(1) as f32;
+        let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
+        Image { width: self.width, height: self.height, pixels }
+    }
 }
 
 /// A picture with the variance of every pixel's mean, as its own rendering estimated it.
