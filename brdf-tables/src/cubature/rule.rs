@@ -235,7 +235,7 @@ mod tests {
                 Nodes::Disc(rings) => rings.iter().map(|r| r.azimuths.len()).sum::<usize>(),
                 Nodes::Product(grid) => grid.outer.len() * grid.inner.len(),
             };
-            assert_eq!(sum(&numbers(i).exact), rule.evaluations(), "{rule}");
+            assert_eq!(sum(&Nodes::new(*rule, |x| x)), rule.evaluations(), "{rule}");
         }
     }
 

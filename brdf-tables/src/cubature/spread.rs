@@ -1,4 +1,5 @@
-//! The numbers of a rule as look-ups need them: a cap in each lane, or a few caps over the lanes of a vector, a node of the rule in each: where a list leaves most lanes empty.
+//! The numbers of a rule as look-ups need them: a cap in each lane of a vector, or a few caps over its lanes, a node of the
+//! rule in each, where a list leaves most lanes empty.
 
 use super::rule::{Grid, Nodes, RULES, Ring};
 use crate::real::LANES;
