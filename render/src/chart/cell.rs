@@ -6,7 +6,7 @@ use super::row::Row;
 use super::setting::Setting;
 use super::subject::Subject;
 use anyhow::{Context, Result};
-use render::film::{self};
+use render::film;
 use render::image::{Image, write_png};
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};

@@ -2,7 +2,7 @@
 
 use super::plan::{Plan, Reference};
 use anyhow::{Context, Error, Result, bail, ensure};
-use render::film::{self};
+use render::film;
 use render::image::{Image, Look, read, read_noise, write_picture};
 use render::integrator::PathTracer;
 use render::picture::{Budget, require_memory};
