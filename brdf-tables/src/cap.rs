@@ -123,7 +123,8 @@ pub const UNIT: f64 = 1e-3;
 /// Whether a vector may be the axis of a cap.
 pub(crate) fn check_axis(axis: DVec3) -> Result<(), CapError> {
     // A comparison with NaN fails.
-    if !((axis.length_squared() - 1.0).abs() < UNIT) {
+    let unit = (axis.length_squared() - 1.0).abs() < UNIT;
+    if !unit {
         return Err(CapError::Axis(axis));
     }
     if axis.z < 0.0 { Err(CapError::Below(axis)) } else { Ok(()) }

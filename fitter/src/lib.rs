@@ -1,10 +1,10 @@
 //! From a material to a table of its mean BRDF: integration, fitting, measuring.
 pub mod check;
-pub mod command;
 pub mod error;
-pub mod figure;
 pub mod fit;
 pub mod integrate;
 pub mod recipe;
+#[cfg(feature = "cli")]
+pub mod rows;
 pub mod solver;
 pub mod zonal;

@@ -3,7 +3,6 @@
 mod chart;
 mod cli;
 mod plot;
-mod text;
 
 fn main() -> std::process::ExitCode {
     cli::main()

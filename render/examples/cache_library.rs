@@ -1,56 +1,52 @@
-//! The cache without our scenes: incident radiance is a closure, the material a table.
-//! `cargo run --release -p render --example cache_library -- tables/phong-100.tbl`
+//! The glossy cache in another renderer: what a pixel shows and what light comes along a ray are closures.
+//! `cargo run --release -p render --no-default-features --example cache_library -- tables/phong-100.tbl`
 
 use brdf_tables::table::Table;
 use glam::Vec3A;
-use render::cache::{Cache, Weight};
+use render::cache::Grid;
 use render::frame::Frame;
-use render::gather::{Incident, gather_uniform};
-use render::record::eas::{EasRecord, Estimator};
-use render::record::{
-    Albedo, Centroid, CutSettings, Receiver, Record, Reflector, Scratch, Tree, cut, hemisphere_directions, reflect,
-};
-use render::sampler::Sampler;
+use render::glossy::{GlossyCache, Spot};
+use render::hemisphere::Incident;
+use render::record::Scratch;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", run(&std::env::args().nth(1).ok_or("usage: cache_library TABLE")?)?);
     Ok(())
 }
 
-pub fn run(path: &str) -> Result<String, Box<dyn std::error::Error>> {
-    let table = Table::load(path)?;
-    let albedo = Albedo::new(&table);
-    let reflector = Reflector::new(&table, Vec3A::splat(0.2), Vec3A::splat(0.6));
+pub fn run(table: &str) -> Result<String, Box<dyn std::error::Error>> {
+    let grid = Grid { width: 64, height: 48 };
 
-    // Your renderer: radiance, distance and normal along a ray from x. Here a bright strip on a ceiling at height 2.
-    let light_from = |x: Vec3A, d: Vec3A| {
-        let distance = (2.0 - x.z) / d.z.max(1e-4);
-        let radiance = if (x.x + d.x * distance).abs() < 0.3 { Vec3A::splat(5.0) } else { Vec3A::splat(0.1) };
-        Incident { radiance, distance, normal: -Vec3A::Z }
+    // Your renderer: what a pixel shows. Here a glossy floor of 2 by 1.5, seen from above its near edge.
+    let eye = Vec3A::new(0.0, -2.0, 1.5);
+    let spot = |pixel: usize| {
+        let (x, y) = (pixel as u32 % grid.width, pixel as u32 / grid.width);
+        let position = Vec3A::new((x as f32 - 31.5) / 32.0, (23.5 - y as f32) / 32.0, 0.0);
+        Some(Spot {
+            position,
+            frame: Frame::from_normal(Vec3A::Z),
+            wo: (eye - position).normalize(),
+            material: 0,
+            diffuse: Vec3A::splat(0.2),
+            specular: Vec3A::splat(0.6),
+            footprint: 1.0 / 32.0,
+        })
+    };
+    // Your renderer: light along a ray, with the distance and normal of what it meets. Here a bright strip on a ceiling at height 2.
+    let light = |from: &Spot, direction: Vec3A, _: &mut _| {
+        let distance = 2.0 / direction.z.max(1e-4);
+        let radiance = if (from.position + direction * distance).x.abs() < 0.3 { 5.0 } else { 0.1 };
+        Incident { radiance: Vec3A::splat(radiance), distance, normal: -Vec3A::Z }
     };
 
-    // A record: gather, build the tree, cut it, keep the cut.
-    let mut cache = Cache::new(Vec3A::splat(-2.0), Vec3A::splat(2.0));
-    for i in 0..9 {
-        let (x, frame) = (Vec3A::new(0.25 * i as f32 - 1.0, 0.0, 0.0), Frame::from_normal(Vec3A::Z));
-        let point = |number| Sampler::new(1, (i, 0), number).next_2d();
-        let mut samples = gather_uniform(&frame, 4096, point, |d, _| light_from(x, d));
-        let tree = Tree::new(&mut samples, 4, Centroid::Direction);
-        let settings = CutSettings { tolerance: 0.02, max_eas: 300 };
-        let cut = cut(&tree, &reflector, &hemisphere_directions(64), &settings);
-        let mut record = EasRecord::new(x, &frame, 0, &tree, &cut, Estimator::Improved);
-        record.set_radius(0.4);
-        cache.insert(record);
-    }
+    let mut cache = GlossyCache::new((Vec3A::splat(-2.0), Vec3A::splat(2.0)), vec![Table::load(table)?], 0.02)?;
+    cache.fill(grid, 1, spot, light);
 
-    // Shading: every record near, translated, weighted (eq. 17).
-    let (position, wo) = (Vec3A::new(0.1, 0.05, 0.0), Vec3A::new(0.0, -0.6, 0.8));
-    let at = Receiver { position, frame: Frame::from_normal(Vec3A::Z), wo };
-    let (mut radiance, mut weights, mut scratch) = (Vec3A::ZERO, 0.0, Scratch::default());
-    cache.interpolate(position, Vec3A::Z, Weight::Smooth, |record, w| {
-        let part = reflect(record, &at, &reflector, &albedo, Estimator::Improved, &mut scratch);
-        radiance += (reflector.diffuse / core::f32::consts::PI * part.irradiance + part.specular) * w;
-        weights += w;
-    });
-    Ok(format!("{} records, {} bytes, radiance {:.4}", cache.records().len(), cache.bytes(), radiance / weights))
+    let (mut scratch, mut sum, mut pixels) = (Scratch::default(), Vec3A::ZERO, 0);
+    for found in (0..64 * 48).filter_map(spot).filter_map(|s| cache.light(&s, &mut scratch)) {
+        sum += found.radiance;
+        pixels += 1;
+    }
+    let (records, bytes) = (cache.records().records().len(), cache.records().bytes());
+    Ok(format!("{records} records, {bytes} bytes, {pixels} pixels of mean radiance {:.4}", sum.x / pixels as f32))
 }

@@ -2,11 +2,12 @@
 //! `cargo run --release -p render --example knobs -- [SCENE [WIDTH [TAU]]]`
 
 use render::cache::Spacing;
-use render::film::{Budget, render};
+use render::film::render;
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Knobs, Settings, render_with};
 use render::metric::compare;
+use render::picture::Budget;
 use render::record::eas::Estimator;
 use render::scene::load;
 use render::tables::Tables;

@@ -1,57 +1,16 @@
 //! From an integrator to a picture: passes over all pixels in parallel until a budget is spent.
 
 use crate::camera::RayGenerator;
-use crate::integrator::{Integrator, Radiance};
+use crate::integrator::Integrator;
+use crate::picture::{Budget, Picture, Pixel};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
+use crate::simd::widest;
 use crate::world::{Counts, Queries, World};
-use fearless_simd::{Level, Simd};
+use fearless_simd::Level;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
-
-/// When to stop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Budget {
-    /// After this many samples per pixel.
-    Samples(u32),
-    /// Before this much time has passed, but not before one sample per pixel.
-    Time(Duration),
-    /// When the root of the estimated relative mean square error (see [`Picture::relative_error`]) is at most this.
-    Error(f32),
-}
-
-/// Sums over the samples of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Pixel {
-    /// Everything, summed; distances are depths along the camera's axis.
-    pub sum: Radiance,
-    /// Sum of the squares of the samples' mean channel.
-    pub squares: f32,
-    /// Over the passes, sum of (the samples' sum)² / (their number).
-    pub pass_squares: Rgb,
-    /// Number of samples that met a surface.
-    pub surfaces: u32,
-}
-
-/// A rendering.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Column and row of the first pixel in the whole film.
-    pub corner: [u32; 2],
-    /// Row by row from the top.
-    pub pixels: Vec<Pixel>,
-    /// Samples of every pixel.
-    pub spp: u32,
-    /// Passes that took them.
-    pub passes: u32,
-    /// Rays, and how many paths were dropped.
-    pub counts: Counts,
-}
+use std::time::Instant;
 
 /// Samples per pixel of one pass, at most: often enough to look at the clock, seldom enough to cost nothing.
 const PASS: u32 = 16;
@@ -121,18 +80,6 @@ pub fn render<I: Integrator>(
     }
 }
 
-/// Runs `f`, compiled for AVX2 where the machine has it: scalar code gains from its encodings. Nothing is fused that is not
-/// written so, so pictures do not depend on it.
-#[inline(always)]
-pub(crate) fn widest<T>(level: Level, f: impl FnOnce() -> T) -> T {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Some(avx2) = level.as_avx2() {
-        return avx2.vectorize(f);
-    }
-    let _ = level;
-    f()
-}
-
 /// Adds the samples of the given indices to a pixel.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
@@ -187,27 +134,4 @@ fn next_pass(picture: &Picture, budget: Budget, start: Instant) -> Option<(u32, 
         }
     };
     (pass > 0).then_some((pass, end))
-}
-
-impl Picture {
-    /// Variance of a pixel's mean, from the differences between passes, which see the even distribution of the samples
-    /// inside each; `None` with less than two passes.
-    pub fn variance(&self, pixel: &Pixel) -> Option<Rgb> {
-        let (n, degrees) = (self.spp as f32, self.passes.checked_sub(1).filter(|d| *d > 0)? as f32);
-        let sum = pixel.sum.sum();
-        Some((pixel.pass_squares - sum * sum / n).max(Rgb::ZERO) / (degrees * n))
-    }
-
-    /// Root of the mean over the pixels of (variance of the pixel's mean)/(mean² + 0.01), in the mean of the channels.
-    /// The variance is that of independent samples, so well distributed ones have less error than this says.
-    pub fn relative_error(&self) -> f32 {
-        let n = self.spp as f32;
-        let of_pixel = |p: &Pixel| {
-            let mean = p.sum.sum().element_sum() / (3.0 * n);
-            let variance = (p.squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0);
-            f64::from(variance / (mean * mean + 0.01))
-        };
-        let sum: f64 = self.pixels.iter().map(of_pixel).sum();
-        (sum / self.pixels.len().max(1) as f64).sqrt() as f32
-    }
 }

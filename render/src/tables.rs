@@ -4,9 +4,9 @@ use brdf_tables::brdf::Value;
 use brdf_tables::format::{FormatError, VERSION};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
-use fitter::command::output::{self, OutputError};
 use fitter::fit::{Choice, FitError, Options, TOLERANCE, fit};
 use fitter::solver::SolverKind;
+use kit::output::{self, OutputError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

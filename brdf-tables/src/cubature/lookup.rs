@@ -2,7 +2,8 @@
 
 use super::bins::FAR;
 use super::disc::disc;
-use super::rule::{Nodes, Numbers, RULES, numbers};
+use super::rule::{Nodes, RULES};
+use super::spread::{Numbers, numbers};
 use super::{Cubature, Side, holds_pole, numerator};
 use crate::batch::{CHUNK, CapBatch, Picked};
 use crate::brdf::{Brdf, Footprint, Formula, Visitor};

@@ -1,11 +1,9 @@
 //! The rules a cap may be integrated by, from the cheapest to the finest.
 
-use super::spread::Spread;
 use crate::gauss::gauss_legendre;
-use crate::real::{LANES, Real};
+use crate::real::Real;
 use core::f64::consts::TAU;
 use core::fmt;
-use std::sync::OnceLock;
 
 /// One rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,26 +164,6 @@ fn disc(nodes: usize) -> Vec<(f64, f64, usize, f64)> {
     }
 }
 
-/// The numbers of a rule in each form a look-up needs.
-pub struct Numbers {
-    /// In f64.
-    pub exact: Nodes<f64>,
-    /// The same in every lane: a cap per lane.
-    pub lanes: Nodes<[f32; LANES]>,
-    /// A node per lane.
-    pub spread: Spread,
-}
-
-/// The numbers of `RULES[index]`.
-pub fn numbers(index: usize) -> &'static Numbers {
-    static ALL: OnceLock<Vec<Numbers>> = OnceLock::new();
-    let build = |&rule| {
-        let exact = Nodes::new(rule, |x| x);
-        Numbers { spread: Spread::new(&exact), lanes: Nodes::new(rule, |x| [x as f32; LANES]), exact }
-    };
-    &ALL.get_or_init(|| RULES.iter().map(build).collect())[index]
-}
-
 /// Two unit vectors that make a frame with the unit vector `axis`, z ≥ 0 (Duff et al. 2017).
 #[inline(always)]
 pub fn tangents<T: Real>([x, y, z]: [T; 3]) -> [[T; 3]; 2] {
@@ -257,7 +235,7 @@ mod tests {
                 Nodes::Disc(rings) => rings.iter().map(|r| r.azimuths.len()).sum::<usize>(),
                 Nodes::Product(grid) => grid.outer.len() * grid.inner.len(),
             };
-            assert_eq!(sum(&numbers(i).exact), rule.evaluations(), "{rule}");
+            assert_eq!(sum(&Nodes::new(*rule, |x| x)), rule.evaluations(), "{rule}");
         }
     }
 

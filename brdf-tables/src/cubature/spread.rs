@@ -1,8 +1,10 @@
-//! A few caps over the lanes of a vector, a node of the rule in each: where a list leaves most lanes empty.
+//! The numbers of a rule as look-ups need them: a cap in each lane of a vector, or a few caps over its lanes, a node of the
+//! rule in each, where a list leaves most lanes empty.
 
-use super::rule::{Grid, Nodes, Ring};
+use super::rule::{Grid, Nodes, RULES, Ring};
 use crate::real::LANES;
 use core::array::from_fn;
+use std::sync::OnceLock;
 
 /// A rule laid over the lanes of a vector, so that one cap fills it.
 ///
@@ -101,9 +103,28 @@ impl Spread {
     }
 }
 
+/// The numbers of a rule in each form a look-up needs.
+pub struct Numbers {
+    /// In f64.
+    pub exact: Nodes<f64>,
+    /// The same in every lane: a cap per lane.
+    pub lanes: Nodes<[f32; LANES]>,
+    /// A node per lane.
+    pub spread: Spread,
+}
+
+/// The numbers of `RULES[index]`.
+pub fn numbers(index: usize) -> &'static Numbers {
+    static ALL: OnceLock<Vec<Numbers>> = OnceLock::new();
+    let build = |&rule| {
+        let exact = Nodes::new(rule, |x| x);
+        Numbers { spread: Spread::new(&exact), lanes: Nodes::new(rule, |x| [x as f32; LANES]), exact }
+    };
+    &ALL.get_or_init(|| RULES.iter().map(build).collect())[index]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::rule::{Numbers, RULES, numbers};
     use super::*;
 
     /// However a rule is spread, its weights and those of its nodes are the same.

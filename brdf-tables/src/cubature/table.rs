@@ -3,7 +3,8 @@
 
 use super::bins::Bins;
 use super::lookup::{View, integrals, into_frame, lookup};
-use super::rule::{NONE, Nodes, RULES, Rule, numbers};
+use super::rule::{NONE, Nodes, RULES, Rule};
+use super::spread::numbers;
 use super::{Node, Side, holds_pole, numerator};
 use crate::axis::Axes;
 use crate::batch::{CapBatch, MIN_HEIGHT};

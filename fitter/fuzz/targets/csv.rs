@@ -2,7 +2,7 @@
 //! arrives.
 #![no_main]
 
-use fitter::command::rows::answer;
+use fitter::rows::answer;
 use libfuzzer_sys::fuzz_target;
 use std::io::Read;
 

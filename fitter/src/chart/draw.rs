@@ -1,8 +1,8 @@
 //! The figure of a chart: a row per material, error against time on the left, against bytes on the right.
 
 use super::{Chart, Curve, Point, axes};
-use crate::text::shortened;
-use fitter::figure::{Canvas, INK, PALE, PALETTE, at, failed, px, stroke, svg, text};
+use kit::figure::{Canvas, INK, PALE, PALETTE, at, failed, px, stroke, svg, text};
+use kit::text::shortened;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;

@@ -4,8 +4,8 @@ use anyhow::{Context, anyhow, ensure};
 use brdf_tables::material::Material;
 use brdf_tables::table::Table;
 use core::f64::consts::{PI, TAU};
-use fitter::command::{number::whole, output::Outputs};
 use fitter::recipe;
+use kit::{number::whole, output::Outputs};
 use std::path::Path;
 
 /// Number of worker threads; results do not depend on it.

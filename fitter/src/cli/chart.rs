@@ -1,11 +1,11 @@
 //! `fitter chart`: speed against accuracy of every way to evaluate the mean BRDF.
 
-use super::progress::Progress;
 use super::{Outcome, arguments, fit};
 use crate::chart::{Measurement, csv, figure, measure};
 use anyhow::ensure;
-use fitter::command::{number::whole, output};
 use fitter::solver::SolverKind;
+use kit::Progress;
+use kit::{number::whole, output};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

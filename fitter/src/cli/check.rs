@@ -1,11 +1,11 @@
 //! `fitter check`: measures a table against an independent integration.
 
-use super::progress::Progress;
 use super::{Outcome, arguments, report};
-use crate::text::percent;
 use brdf_tables::table::Table;
 use fitter::check::{Check, check};
-use fitter::command::number::whole;
+use kit::Progress;
+use kit::number::whole;
+use kit::text::percent;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;

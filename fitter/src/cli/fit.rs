@@ -1,6 +1,5 @@
 //! `fitter fit`: from a material to a table.
 
-use super::progress::Progress;
 use super::{Outcome, arguments, report};
 use anyhow::{Context, bail};
 use brdf_tables::material::Material;
@@ -8,10 +7,11 @@ use brdf_tables::table::Table;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use core::ops::RangeInclusive;
-use fitter::command::number::{number, whole};
-use fitter::command::output::{self, Outputs};
 use fitter::fit::{Choice, Options, TOLERANCE, fit};
 use fitter::solver::SolverKind;
+use kit::Progress;
+use kit::number::{number, whole};
+use kit::output::{self, Outputs};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

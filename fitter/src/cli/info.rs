@@ -1,8 +1,8 @@
 //! `fitter info`: what a table holds, how it was made, how good it is.
 
 use super::{Outcome, arguments, report};
-use crate::text::percent;
 use brdf_tables::table::{Representation, Table};
+use kit::text::percent;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;

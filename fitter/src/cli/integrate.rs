@@ -2,8 +2,9 @@
 
 use super::{Outcome, arguments};
 use core::f64::consts::FRAC_1_PI;
-use fitter::command::{number::whole, rows};
 use fitter::integrate::mean_brdf_mc_rgb;
+use fitter::rows;
+use kit::number::whole;
 use std::io::{stdin, stdout};
 
 const EXAMPLES: &str = "\

@@ -7,12 +7,10 @@ mod fit;
 mod info;
 mod integrate;
 mod plot;
-mod progress;
 mod query;
 mod report;
 
 use clap::{Parser, Subcommand};
-use fitter::command;
 use std::io::{self, ErrorKind::BrokenPipe};
 use std::process::ExitCode;
 
@@ -66,8 +64,8 @@ enum Outcome {
 
 /// Parses the command line, runs it, and reports an error in one line.
 pub fn main() -> ExitCode {
-    command::watch();
-    let cli: Cli = match command::parse("fitter") {
+    kit::watch();
+    let cli: Cli = match kit::parse("fitter") {
         Ok(cli) => cli,
         Err(code) => return code,
     };
@@ -77,7 +75,7 @@ pub fn main() -> ExitCode {
         // The reader of a pipe has seen enough.
         Err(error) if error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == BrokenPipe) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("fitter: {}", command::one_line(&error));
+            eprintln!("fitter: {}", kit::one_line(&error));
             ExitCode::from(REFUSED)
         }
     }

@@ -2,13 +2,13 @@
 
 use super::Outcome;
 use super::arguments::{self, SolidAngle};
-use super::progress::Progress;
 use crate::plot::{Cut, figure};
 use anyhow::{Context, ensure};
 use brdf_tables::brdf::Specular;
 use brdf_tables::cap::Cap;
 use core::f64::consts::{FRAC_PI_2, PI};
-use fitter::command::{number::number, output};
+use kit::Progress;
+use kit::{number::number, output};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};

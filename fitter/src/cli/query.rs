@@ -1,7 +1,7 @@
 //! `fitter query`: the whole mean BRDF from a table, row by row.
 
 use super::{Outcome, arguments};
-use fitter::command::rows;
+use fitter::rows;
 use std::io::{stdin, stdout};
 use std::path::PathBuf;
 

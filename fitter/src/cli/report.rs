@@ -1,7 +1,7 @@
 //! What a person or a script reads: the five errors as a table or as JSON.
 
-use crate::text::percent;
 use brdf_tables::errors::{Errors, Summary};
+use kit::text::percent;
 use serde_json::{Value, json};
 use std::fmt::Write;
 

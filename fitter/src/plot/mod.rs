@@ -2,15 +2,15 @@
 
 mod panel;
 
-use crate::text::shortened;
 use brdf_tables::cap::Cap;
 use brdf_tables::errors::Errors;
 use brdf_tables::quadrature::mean_brdf;
 use brdf_tables::table::Table;
 use core::f64::consts::FRAC_PI_2;
 use fitter::check::errors_of;
-use fitter::figure::{INK, at, failed, svg, text};
 use glam::DVec3;
+use kit::figure::{INK, at, failed, svg, text};
+use kit::text::shortened;
 use panel::{HEIGHT, WIDTH};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;

@@ -1,10 +1,10 @@
 //! One polar panel: radius is F, angle is the zenith angle of wo, light comes from the left.
 
 use super::Cut;
-use crate::text::{multiple, percent};
 use brdf_tables::errors::Errors;
 use core::f64::consts::FRAC_PI_2;
-use fitter::figure::{Canvas, INK, PALE, PALETTE, at, failed, px, stroke, text};
+use kit::figure::{Canvas, INK, PALE, PALETTE, at, failed, px, stroke, text};
+use kit::text::{multiple, percent};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 

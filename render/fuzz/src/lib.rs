@@ -1,9 +1,10 @@
 //! What the targets share: what must hold of a mesh, a picture, a scene once they are read.
 
 use glam::Affine3A;
-use render::film::{self, Budget};
+use render::film;
 use render::image::{self, ImageError};
 use render::integrator::PathTracer;
+use render::picture::Budget;
 use render::scene::load::mesh::{Finish, Mirrored, Parsed, finish};
 use render::scene::load::{self, FileError, LoadError, Options};
 use render::scene::{ColorTexture, Crop, Geometry, Material, MaterialId, Rgb, Scene, Shape};

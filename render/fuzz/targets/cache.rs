@@ -4,11 +4,11 @@
 
 use libfuzzer_sys::fuzz_target;
 use render::cache::Spacing;
-use render::film::Budget;
 use render::integrator::cached::file::{from_bytes, save};
 use render::integrator::cached::kinds::COUNT;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Caches, Settings, TOLERANCE, render_cached};
+use render::picture::Budget;
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
 use render::scene::load::{Options, load};

@@ -2,7 +2,8 @@
 //! caching practical: adaptive caching and neighbor clamping"; SIGGRAPH course 2007).
 
 use super::{Cache, Weight};
-use crate::record::{Record, luminance};
+use crate::color::luminance;
+use crate::record::Record;
 use crate::scene::Rgb;
 use glam::Vec3A;
 
@@ -59,7 +60,7 @@ impl<R: Record> Cache<R> {
 mod tests {
     use super::*;
     use crate::frame::Frame;
-    use crate::gather::Incident;
+    use crate::hemisphere::Incident;
     use crate::record::irradiance::{IrradianceRecord, Strata};
     use glam::Vec2;
 

@@ -5,7 +5,7 @@ use super::plot::{Axes, Series, plot};
 use super::row::Row;
 use super::subject::Subject;
 use anyhow::Result;
-use fitter::figure::PALETTE;
+use kit::figure::PALETTE;
 use plotters::style::RGBColor;
 
 /// A figure with what it shows.

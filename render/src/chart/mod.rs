@@ -13,13 +13,13 @@ mod subject;
 
 use anyhow::{Context, Result, ensure};
 use cell::Policies;
-use fitter::command::output;
-use indicatif::{ProgressBar, ProgressStyle};
+use kit::Progress;
+use kit::output;
 use plan::Plan;
 use render::tables::Tables;
 use row::Row;
 use setting::Setting;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::cell::Cell;
 use subject::Subject;
 
 /// Results of a chart.
@@ -62,7 +62,7 @@ pub fn run(plan: &Plan) -> Result<()> {
     let mut subjects = Vec::new();
     for scene in scenes {
         bar.begin(format!("{}: reference", scene.name));
-        let subject = scene.with_reference(plan, &|x| bar.share(x, REFERENCE_WEIGHT))?;
+        let subject = scene.with_reference(plan, &bar.shares(REFERENCE_WEIGHT))?;
         bar.end(REFERENCE_WEIGHT);
         let mut policies = Policies::new(&mut tables);
         for (method, setting) in plan.cells() {
@@ -72,7 +72,7 @@ pub fn run(plan: &Plan) -> Result<()> {
             if known.is_none() || !pictures.iter().all(|p| p.exists()) {
                 bar.begin(format!("{}: {} {setting}", subject.name, method.name));
                 policies.prepare(&subject, method, setting)?;
-                let row = cell::run(plan, &subject, &policies, (method, setting), &|x| bar.share(x, weight(setting)))?;
+                let row = cell::run(plan, &subject, &policies, (method, setting), &bar.shares(weight(setting)))?;
                 bar.say(&format!(
                     "{}: {} {setting}: {:.2} s, rel_mse {:.5}",
                     row.scene, row.method, row.seconds, row.rel_mse
@@ -103,48 +103,37 @@ fn weight(setting: Setting) -> f64 {
     }
 }
 
-/// One bar for all the work, in hundredths of a weight.
+/// One bar for all the work, by weight.
 struct Bar {
-    bar: ProgressBar,
-    done: AtomicU64,
+    bar: Progress,
+    total: f64,
+    /// Weight of what is done.
+    done: Cell<f64>,
 }
 
 impl Bar {
     fn new(plan: &Plan, scenes: usize) -> Self {
-        let cells: u64 = plan.cells().iter().map(|(_, s)| hundredths(weight(*s))).sum();
-        let bar = ProgressBar::new(scenes as u64 * (cells + hundredths(REFERENCE_WEIGHT)));
-        if let Ok(style) = ProgressStyle::with_template("{msg} {bar:30} {percent:>3} %, {eta} left") {
-            bar.set_style(style);
-        }
-        Self { bar, done: AtomicU64::new(0) }
+        let cells: f64 = plan.cells().iter().map(|(_, s)| weight(*s)).sum();
+        Self { bar: Progress::new("chart"), total: scenes as f64 * (cells + REFERENCE_WEIGHT), done: Cell::new(0.0) }
     }
 
     fn begin(&self, what: String) {
-        self.bar.set_message(what);
+        self.bar.name(what);
     }
 
-    /// A share of a piece of work.
-    fn share(&self, share: f64, weight: f64) {
-        self.bar.set_position(self.done.load(Ordering::Relaxed) + hundredths(share.clamp(0.0, 1.0) * weight));
+    /// Tells the shares of a piece of work of a weight.
+    fn shares(&self, weight: f64) -> impl Fn(f64) + Sync {
+        let (bar, total, done) = (&self.bar, self.total, self.done.get());
+        move |share: f64| bar.set((done + share.clamp(0.0, 1.0) * weight) / total)
     }
 
     fn end(&self, weight: f64) {
-        self.done.fetch_add(hundredths(weight), Ordering::Relaxed);
-        self.share(0.0, 0.0);
+        self.done.set(self.done.get() + weight);
+        self.shares(0.0)(0.0);
     }
 
     /// A line that stays.
     fn say(&self, line: &str) {
-        self.bar.suspend(|| eprintln!("render: {line}"));
-    }
-}
-
-fn hundredths(weight: f64) -> u64 {
-    (100.0 * weight) as u64
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        self.bar.say(&format!("render: {line}"));
     }
 }

@@ -1,7 +1,7 @@
 //! Curves over two logarithmic axes, as SVG.
 
 use core::ops::Range;
-use fitter::figure::{Canvas, DrawError, INK, PALE, at, failed, px, stroke, svg, text};
+use kit::figure::{Canvas, DrawError, INK, PALE, at, failed, px, stroke, svg, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 

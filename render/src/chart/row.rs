@@ -51,8 +51,8 @@ pub struct Row {
     pub bias: f64,
     /// Largest difference of a channel.
     pub max: f64,
-    /// Mean ꟻLIP error.
-    pub flip: f64,
+    /// Mean ꟻLIP error; empty where the program is built without.
+    pub flip: Option<f64>,
     /// As rel_mse, of blocks of 4×4 pixels.
     pub blocks: f64,
     /// Largest relative error of a pixel.
@@ -84,12 +84,14 @@ impl Row {
             rel_mse,
             bias,
             max,
-            flip,
             blocks,
             worst,
             leaks,
             negative,
-        ] {
+        ]
+        .into_iter()
+        .chain(flip)
+        {
             *x = format!("{x:.5e}").parse().unwrap_or(*x);
         }
     }
@@ -118,7 +120,7 @@ impl Row {
             ("rmse", rmse),
             ("rel_mse", rel_mse),
             ("max", max),
-            ("flip", flip),
+            ("flip", flip.unwrap_or(0.0)),
             ("blocks", blocks),
             ("worst", worst),
             ("leaks", leaks),

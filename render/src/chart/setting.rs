@@ -1,6 +1,6 @@
 //! How a method is run: the one number that a sweep varies.
 
-use fitter::command::number::number;
+use kit::number::number;
 use std::fmt;
 
 /// A setting of a sweep.

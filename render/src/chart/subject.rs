@@ -1,10 +1,11 @@
 //! A scene with its reference.
 
 use super::plan::{Plan, Reference};
-use anyhow::{Context, Result, bail, ensure};
-use render::film::{self, Budget};
+use anyhow::{Context, Error, Result, bail, ensure};
+use render::film;
 use render::image::{Image, Look, read, read_noise, write_picture};
 use render::integrator::PathTracer;
+use render::picture::{Budget, require_memory};
 use render::scene::checksum::{Checksums, Hash};
 use render::scene::{Scene, load};
 use render::world::World;
@@ -50,8 +51,9 @@ pub fn name(path: &Path) -> String {
 pub fn load_scene(plan: &Plan, path: &Path, reference: Option<&PathBuf>) -> Result<Loaded> {
     let (mut scene, warnings) = load::load(path, &plan.load)?;
     warnings.iter().for_each(|warning| eprintln!("render: warning: {warning}"));
-    crate::cli::resize(&mut scene.camera, plan.width, None);
-    crate::cli::require_memory(&scene.camera, true, scene.camera.lens.is_some())
+    scene.camera.film.resize(plan.width, None);
+    require_memory(&scene.camera, true, scene.camera.lens.is_some())
+        .map_err(Error::msg)
         .with_context(|| path.display().to_string())?;
     let digest = digest(&scene, plan.indirect_only);
     let world = World::new(scene).with_context(|| path.display().to_string())?;

@@ -1,15 +1,15 @@
 //! Rendering through caches, and what is told of it.
 
-use super::image::with_progress;
 use super::job::Caching;
 use super::outputs::Records;
 use super::stats::Stats;
 use anyhow::{Result, anyhow};
-use render::film::Picture;
+use kit::with_progress;
 use render::integrator::cached::file::{self, CacheFileError};
 use render::integrator::cached::kinds::KINDS;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Figures, render_cached};
+use render::picture::Picture;
 use render::tables::Tables;
 use render::world::World;
 use std::time::{Duration, Instant};
@@ -26,7 +26,8 @@ pub(super) fn render(caching: &Caching, world: &World, stats: &mut Stats) -> Res
         let loaded = file::load(path, world, &policy, settings, *tolerance);
         kept = Some(loaded.map_err(|e: CacheFileError| anyhow!("{}: {e}", path.display()))?);
     }
-    let (picture, figures, caches) = with_progress(|progress| render_cached(world, &policy, settings, kept, progress));
+    let (picture, figures, caches) =
+        with_progress("image", |progress| render_cached(world, &policy, settings, kept, progress));
     stats.take(&figures, fitting);
     report(&figures);
     Ok((picture, Records { policy, settings: *settings, tolerance: *tolerance, caches }))

@@ -1,15 +1,15 @@
 //! `render chart`.
 
 use super::reading::Reading;
-use super::view::MAX_SIZE;
 use crate::chart::method::{Engine, METHODS, Method, Size, find};
 use crate::chart::plan::{Plan, Reference};
 use crate::chart::setting::{Setting, parse_tau, parse_time};
 use anyhow::{Context, Result, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use fitter::command::number::{number, whole};
+use kit::number::{number, whole};
 use render::integrator::cached::TOLERANCE;
 use render::record::harmonics::MAX_ORDER;
+use render::scene::Film;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -73,7 +73,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = whole(1..=1u32 << 16, ""))]
     spp: Option<u32>,
     /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     width: Option<u32>,
     #[command(flatten)]
     reading: Reading,

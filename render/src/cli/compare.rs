@@ -1,12 +1,12 @@
 //! `render compare`.
 
 use anyhow::{Context, Result, bail};
-use fitter::command::number::{number, whole};
-use fitter::command::output::Outputs;
+use kit::number::{number, whole};
+use kit::output::Outputs;
 use render::image::{Image, Pixels, read_noise, read_pixels, write_png};
 use render::metric::defects::Defects;
+use render::metric::z_scores::{ZScores, ZTest, z_test};
 use render::metric::{Comparison, compare, false_color};
-use render::z_test::{ZScores, ZTest, z_test};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -46,7 +46,13 @@ struct Report {
     defects: Defects,
     #[serde(skip_serializing_if = "Option::is_none")]
     z_test: Option<ZTest>,
+    /// What is not there, and why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<&'static str>,
 }
+
+/// In place of an error that this build cannot measure.
+const NO_FLIP: &str = "flip is not in this build (feature `flip`)";
 
 /// The z-test of two pictures with what their files say of their noise.
 fn judge(args: &Args, image: &Image, reference: &Image) -> Result<ZTest> {
@@ -118,12 +124,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             figures,
             defects: Defects::new(&image, &reference).with_context(place)?,
             z_test,
+            note: figures.flip.is_none().then_some(NO_FLIP),
         })? + "\n"
     } else {
         let Comparison { rmse, rel_mse, bias, max, flip } = figures;
-        format!(
-            "rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}\n"
-        )
+        let flip = flip.map_or(NO_FLIP.into(), |x| format!("flip     {x:.6}"));
+        format!("rmse     {rmse:.6}\nrel_mse  {rel_mse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\n{flip}\n")
     };
     let text = match &z_test {
         Some(z) if !args.json => {

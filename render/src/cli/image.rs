@@ -1,6 +1,7 @@
 //! `render image`.
 
 use super::caching;
+use super::choices::{BASES, ESTIMATORS, GRADIENTS, choices};
 use super::job::{Engine, Job};
 use super::lens::Optics;
 use super::look::Looking;
@@ -9,16 +10,17 @@ use super::options;
 use super::outputs;
 use super::reading::Reading;
 use super::stats::Stats;
-use super::view::{MAX_SIZE, parse_crop};
+use super::view::parse_crop;
 use crate::chart::setting::{parse_tau, parse_time};
 use anyhow::Result;
-use fitter::command::number::{number, whole};
-use indicatif::{ProgressBar, ProgressStyle};
-use render::film::{Picture, render};
+use kit::number::{number, whole};
+use kit::with_progress;
+use render::film::render;
 use render::integrator::PathTracer;
+use render::picture::Picture;
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, MAX_ORDER};
-use render::scene::Crop;
+use render::scene::{Crop, Film};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -36,7 +38,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Method::Path)]
     pub(super) method: Method,
     /// How the equivalent area lights (EAS) of a record are moved to a pixel and summed [default: improved].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&ESTIMATORS))]
     pub(super) eas: Option<Estimator>,
     /// Equivalent area lights (EAS) in every record: 7, 10, 13, … [default: as few as tau allows].
     #[arg(long, value_name = "N", value_parser = whole(7..=4096u16, ""))]
@@ -49,10 +51,10 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = whole(1..=MAX_ORDER as u8, ""))]
     pub(super) order: Option<u8>,
     /// How harmonic records change with position [default: analytic].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&GRADIENTS))]
     pub(super) gradients: Option<Gradients>,
     /// Which harmonics: in the frame of the record, or in that of the world [default: hemispherical].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&BASES))]
     pub(super) basis: Option<Basis>,
     /// What decides how far records reach [default: hessian, distance with --eas paper].
     #[arg(long, value_enum)]
@@ -80,10 +82,10 @@ pub struct Args {
     #[arg(long, value_name = "RELATIVE", value_parser = number(f32::MIN_POSITIVE..=f32::MAX, "a number > 0"))]
     pub(super) error: Option<f32>,
     /// Width of the film in pixels; alone, it keeps the aspect.
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     pub(super) width: Option<u32>,
     /// Height of the film in pixels; alone, it keeps the aspect.
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     pub(super) height: Option<u32>,
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
@@ -142,7 +144,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 fn traced(job: &Job, stats: &mut Stats) -> Picture {
     let shading = Instant::now();
     let integrator = PathTracer { settings: job.world.scene.integrator, indirect_only: job.indirect_only };
-    let picture = with_progress(|progress| render(&job.world, &integrator, job.budget, job.seed, progress));
+    let picture = with_progress("image", |progress| render(&job.world, &integrator, job.budget, job.seed, progress));
     stats.seconds.shade = shading.elapsed().as_secs_f64();
     picture
 }
@@ -151,21 +153,4 @@ fn traced(job: &Job, stats: &mut Stats) -> Picture {
 fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
     let too_many = u128::from(dropped) * 1_000_000 > u128::from(paths);
     too_many.then(|| format!("{dropped} of {paths} paths were not finite and count as black: the picture is too dark"))
-}
-
-/// Renders with a bar and the time left on standard error, where that is a terminal.
-pub(super) fn with_progress<T>(render: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
-    const STEPS: u64 = 1000;
-    let bar = ProgressBar::new(STEPS);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} passed, {eta} left") {
-        bar.set_style(style);
-    }
-    let out = render(&|share| {
-        let position = (share * STEPS as f64) as u64;
-        if position > bar.position() {
-            bar.set_position(position);
-        }
-    });
-    bar.finish_and_clear();
-    out
 }

@@ -5,12 +5,12 @@ use super::look;
 use super::method::{Method, Reach};
 use super::outputs;
 use super::view;
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use render::cache::Spacing;
-use render::film::Budget;
 use render::image::Look;
 use render::integrator::cached::policy::Allowed;
 use render::integrator::cached::{Settings, TOLERANCE};
+use render::picture::{Budget, require_memory};
 use render::record::harmonics::HarmonicsSettings;
 use render::scene::Scene;
 use render::scene::load::{self, Loaded};
@@ -68,7 +68,7 @@ impl Job {
         view::change(&mut scene.camera, args.width, args.height, args.crop);
         look::check_size(&args.output, &scene.camera.film)?;
         let lens = args.optics.check(&scene.camera)?;
-        view::require_memory(&scene.camera, args.method != Method::Path, lens).with_context(place)?;
+        require_memory(&scene.camera, args.method != Method::Path, lens).map_err(Error::msg).with_context(place)?;
         scene.integrator.hide_environment = args.looking.transparent;
         if let Some(depth) = args.max_depth {
             scene.integrator.max_depth = depth;

@@ -1,8 +1,8 @@
 //! Depth of field: the lens of the camera, from the scene and from the command line.
 
 use anyhow::{Result, bail};
-use fitter::command::number::number;
 use glam::Vec2;
+use kit::number::number;
 use render::camera::RayGenerator;
 use render::scene::{Camera, Lens, Projection};
 use render::world::{Queries, World};

@@ -1,7 +1,8 @@
 //! How pictures look: options for what people see, and for what a compositor lays over something else.
 
+use super::choices::{VIEWS, choices};
 use anyhow::{Result, bail};
-use fitter::command::number::number;
+use kit::number::number;
 use render::image::view::{Display, View};
 use render::image::{Format, Look};
 use render::scene::Film;
@@ -18,7 +19,7 @@ pub struct Looking {
     #[arg(long, value_name = "EV", value_parser = number(-MAX_EXPOSURE..=MAX_EXPOSURE, "a number of stops from -64 to 64"))]
     exposure: Option<f32>,
     /// How PNG, JPEG and WebP show light that is brighter than a screen. EXR keeps the light [default: standard].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices(&VIEWS))]
     view: Option<View>,
     /// Leave the sky out where the camera looks straight into it, and write alpha: the share of a pixel that shows surfaces
     /// (EXR, PNG, WebP).

@@ -2,6 +2,7 @@
 
 mod caching;
 mod chart;
+mod choices;
 mod compare;
 mod image;
 mod info;
@@ -18,9 +19,7 @@ mod view;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use fitter::command;
 use std::process::ExitCode;
-pub(crate) use view::{require_memory, resize};
 
 /// Renders glossy global illumination.
 #[derive(Debug, Parser)]
@@ -46,8 +45,8 @@ enum Command {
 
 /// Runs the command; 0 done, 1 a check failed, 2 bad input or usage.
 pub fn run() -> ExitCode {
-    command::watch();
-    let cli: Cli = match command::parse("render") {
+    kit::watch();
+    let cli: Cli = match kit::parse("render") {
         Ok(cli) => cli,
         Err(code) => return code,
     };
@@ -59,7 +58,7 @@ pub fn run() -> ExitCode {
         Command::Chart(args) => chart::run(args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("render: {}", command::one_line(&error));
+        eprintln!("render: {}", kit::one_line(&error));
         ExitCode::from(2)
     })
 }

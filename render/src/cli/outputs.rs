@@ -4,12 +4,12 @@ use super::image::Args;
 use super::job::Job;
 use super::stats::Stats;
 use anyhow::{Result, bail};
-use fitter::command::output::{self, Outputs};
-use render::film::Picture;
+use kit::output::{self, Outputs};
 use render::image::{Format, write_picture, write_png};
 use render::inspect::overlay::show_records;
 use render::integrator::cached::policy::Policy;
 use render::integrator::cached::{Caches, Settings, file};
+use render::picture::Picture;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -59,7 +59,7 @@ pub(super) fn write(
     let mut failures = Vec::new();
     let mut tried = |path: &Path, result: Result<()>| {
         if let Err(error) = result {
-            failures.push(fitter::command::one_line(&error.context(path.display().to_string())));
+            failures.push(kit::one_line(&error.context(path.display().to_string())));
         }
     };
     for path in &args.output {

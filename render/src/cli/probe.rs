@@ -1,20 +1,20 @@
 //! `render probe`.
 
-use super::image::with_progress;
+use super::choices::{ESTIMATORS, choices};
 use super::reading::Reading;
-use super::view::{MAX_SIZE, resize};
 use crate::chart::setting::parse_tau;
 use anyhow::{Context, Result};
-use fitter::command::{number::whole, output};
+use kit::{number::whole, output, with_progress};
 use render::cache::Spacing;
+use render::hemisphere::hemisphere_directions;
 use render::image::{write_png, write_whole};
 use render::inspect::disk::{Disk, exposure};
 use render::inspect::{Compressed, DIRECTIONS, Place, chart, csv, exact, measure, sweep, tree};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Builder, LightSplit, Quality, TOLERANCE};
+use render::record::Record;
 use render::record::eas::Estimator;
-use render::record::{Record, hemisphere_directions};
-use render::scene::load;
+use render::scene::{Film, load};
 use render::tables::Tables;
 use render::world::World;
 use std::io::Write;
@@ -56,10 +56,10 @@ pub struct Args {
     #[arg(long, value_name = "TAU", default_value_t = TOLERANCE, value_parser = parse_tau())]
     tau: f32,
     /// Estimator of the cut and of the reflected radiance; the error curves always show both.
-    #[arg(long, value_enum, default_value_t = Estimator::Improved)]
+    #[arg(long, value_parser = choices(&ESTIMATORS), default_value = "improved")]
     eas: Estimator,
     /// Width of the film in pixels; keeps the aspect.
-    #[arg(long, value_parser = whole(1..=MAX_SIZE, ""))]
+    #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     width: Option<u32>,
     /// Seed of the sample points.
     #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX, ""))]
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     for warning in warnings {
         eprintln!("render: warning: {warning}");
     }
-    resize(&mut scene.camera, args.width, None);
+    scene.camera.film.resize(args.width, None);
     let world = World::new(scene).with_context(|| args.scene.display().to_string())?;
     let mut tables = Tables::open(&args.tables)?;
     let policy = Policy::new(&world.scene, Allowed::Eas, |recipe| tables.find(recipe))?;
@@ -93,7 +93,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Quality::new(args.tau, Estimator::Improved, Spacing::default()),
         args.seed,
     );
-    let probe = with_progress(|progress| builder.probe(args.pixel, SAMPLES, progress))
+    let probe = with_progress("probe", |progress| builder.probe(args.pixel, SAMPLES, progress))
         .with_context(|| args.scene.display().to_string())?;
     let reflector = probe.reflector();
     let place = Place { position: probe.point.at.p, frame: probe.frame, reflector, albedo: &probe.lobe.albedo };
@@ -114,7 +114,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let radiances: Vec<_> = probe.uniform.iter().map(|s| s.radiance).collect();
     let light = exposure(&radiances);
     let disk = Disk::new(REFLECTED_SIZE);
-    let exact_values = with_progress(|progress| exact(&probe.uniform, &reflector, &disk.directions(), progress));
+    let exact_values =
+        with_progress("probe", |progress| exact(&probe.uniform, &reflector, &disk.directions(), progress));
     let shown = exposure(&exact_values);
     let exact_image = disk.image(&exact_values, shown);
     let eas_image = disk.image(&made.reflected(&place, &disk.directions()), shown);

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use fitter::command::number::number;
+use kit::number::number;
 use render::scene::load::{LightUnits, Options, Sky, SkySource};
 use std::ffi::OsString;
 use std::path::Path;

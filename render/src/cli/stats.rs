@@ -1,8 +1,8 @@
 //! What `--stats` says of a run.
 
-use render::film::Picture;
 use render::integrator::cached::Figures;
 use render::integrator::cached::kinds::{COUNT, KINDS};
+use render::picture::Picture;
 use render::world::Counts;
 use serde::{Serialize, Serializer};
 use std::time::Duration;

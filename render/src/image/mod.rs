@@ -1,16 +1,22 @@
 //! Pictures in memory and in files.
 
 mod raster;
+#[cfg(feature = "formats")]
 mod read;
+#[cfg(feature = "formats")]
 mod screen;
 pub mod view;
+#[cfg(feature = "formats")]
 mod write;
 
-use thiserror::Error;
+use crate::picture::Picture;
 
 pub use raster::{Channels, Raster, Samples, half};
+#[cfg(feature = "formats")]
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
+#[cfg(feature = "formats")]
 pub use screen::{Format, write_png};
+#[cfg(feature = "formats")]
 pub use write::{Look, write_picture, write_whole};
 
 /// Linear RGB, row by row from the top.
@@ -24,8 +30,27 @@ pub struct Image {
     pub pixels: Vec<[f32; 3]>,
 }
 
+impl Picture {
+    /// The whole light, as a picture.
+    pub fn image(&self) -> Image {
+        let scale = 1.0 / self.spp.max(1) as f32;
+        let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
+        Image { width: self.width, height: self.height, pixels }
+    }
+}
+
+/// A picture with the variance of every pixel's mean, as its own rendering estimated it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Variance of the mean, by pixel and channel.
+    pub variance: Image,
+    /// Samples per pixel behind it.
+    pub spp: u32,
+}
+
 /// Why a picture could not be read or written.
-#[derive(Debug, Error)]
+#[cfg(feature = "formats")]
+#[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     /// It cannot be read.
     #[error("{path}: {error}")]
@@ -37,7 +62,7 @@ pub enum ImageError {
     },
     /// It cannot be written.
     #[error(transparent)]
-    Output(#[from] fitter::command::output::OutputError),
+    Output(#[from] kit::output::OutputError),
     /// The content is broken or too large.
     #[error("{path}: {reason}")]
     Content {

@@ -173,6 +173,7 @@ impl Raster {
         }
     }
 
+    #[cfg(feature = "formats")]
     /// The first pixel (column, row) with a colour that is not finite.
     pub(super) fn color_not_finite(&self) -> Option<(u32, u32)> {
         match self.samples {

@@ -1,32 +1,18 @@
 //! Renderings: OpenEXR with layers, or a format for display.
 
+use super::ImageError;
 use super::screen::{self, Format};
 use super::view::Display;
-use super::{Image, ImageError};
-use crate::film::{Picture, Pixel};
+use crate::picture::{Picture, Pixel};
 use crate::scene::Rgb;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, SmallVec, WritableImage,
 };
-use fitter::command::output;
+use kit::output;
 use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::Path;
-
-impl Picture {
-    /// The whole light, as a picture.
-    pub fn image(&self) -> Image {
-        let scale = 1.0 / self.spp.max(1) as f32;
-        let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
-        Image { width: self.width, height: self.height, pixels }
-    }
-
-    /// Share of a pixel's samples that met a surface.
-    pub fn alpha(&self, pixel: &Pixel) -> f32 {
-        pixel.surfaces as f32 / self.spp.max(1) as f32
-    }
-}
 
 /// How a rendering is written.
 #[derive(Clone, Debug, Default)]

@@ -3,8 +3,8 @@
 use super::{Compressed, Measured};
 use crate::image::to_srgb;
 use crate::scene::Rgb;
-use fitter::figure::{DrawError, PALETTE, at, failed, px, stroke, svg, text};
 use glam::Vec2;
+use kit::figure::{DrawError, PALETTE, at, failed, px, stroke, svg, text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 

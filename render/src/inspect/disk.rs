@@ -1,9 +1,9 @@
 //! Functions of the hemisphere as pictures on its projected disk: x to the right, y up, the normal in the middle.
 
-use crate::gather::GatherSample;
+use crate::color::luminance;
+use crate::hemisphere::GatherSample;
 use crate::image::Image;
 use crate::metric::{SizeMismatch, false_color};
-use crate::record::luminance;
 use crate::scene::Rgb;
 use glam::{Vec2, Vec3A};
 use rayon::prelude::*;

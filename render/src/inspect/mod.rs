@@ -1,15 +1,15 @@
 //! Records under the lens: pictures and numbers (eas-2015, Figs. 5–7).
 
+#[cfg(feature = "cli")]
 pub mod chart;
 pub mod disk;
 pub mod overlay;
 
 use crate::frame::Frame;
-use crate::gather::GatherSample;
+use crate::hemisphere::{GatherSample, hemisphere_directions};
 use crate::record::eas::{EasRecord, Estimator};
 use crate::record::{
-    Albedo, Centroid, Cut, CutSettings, Receiver, Record, Reflector, Scratch, Tree, cut, global_error,
-    hemisphere_directions, reflect,
+    Albedo, Centroid, Cut, CutSettings, Receiver, Record, Reflector, Scratch, Tree, cut, global_error, reflect,
 };
 use crate::scene::Rgb;
 use core::f32::consts::FRAC_1_PI;

@@ -1,8 +1,8 @@
 //! Faults that a mean error hides: light where none belongs, negative light, single bright pixels.
 
 use super::{SizeMismatch, pixel_error};
+use crate::color::luminance;
 use crate::image::Image;
-use crate::record::luminance;
 use crate::scene::Rgb;
 use serde::Serialize;
 

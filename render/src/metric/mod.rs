@@ -1,8 +1,11 @@
 //! How far a picture is from its reference.
 
 pub mod defects;
+pub mod z_scores;
 
-use crate::image::{Image, from_srgb, to_srgb};
+#[cfg(feature = "flip")]
+use crate::image::to_srgb;
+use crate::image::{Image, from_srgb};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -17,8 +20,9 @@ pub struct Comparison {
     pub bias: f64,
     /// Largest difference of a channel.
     pub max: f64,
-    /// Mean ꟻLIP error of the sRGB views, at 67 pixels per degree (Andersson et al. 2020).
-    pub flip: f64,
+    /// Mean ꟻLIP error of the sRGB views, at 67 pixels per degree (Andersson et al. 2020);
+    /// `None` in a build without the feature `flip`.
+    pub flip: Option<f64>,
 }
 
 /// Pictures that cannot be compared.
@@ -57,16 +61,23 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, SizeMisma
 }
 
 /// Mean ꟻLIP error of the sRGB views.
-fn flip(image: &Image, reference: &Image) -> f64 {
+#[cfg(feature = "flip")]
+fn flip(image: &Image, reference: &Image) -> Option<f64> {
     if image.pixels.is_empty() {
-        return 0.0;
+        return Some(0.0);
     }
     let view = |image: &Image| {
         let bytes: Vec<u8> = image.pixels.iter().flatten().map(|x| (255.0 * to_srgb(*x) + 0.5) as u8).collect();
         nv_flip::FlipImageRgb8::with_data(image.width, image.height, &bytes)
     };
     let error = nv_flip::flip(view(reference), view(image), nv_flip::DEFAULT_PIXELS_PER_DEGREE);
-    f64::from(nv_flip::FlipPool::from_image(&error).mean())
+    Some(f64::from(nv_flip::FlipPool::from_image(&error).mean()))
+}
+
+/// Not in this build.
+#[cfg(not(feature = "flip"))]
+fn flip(_: &Image, _: &Image) -> Option<f64> {
+    None
 }
 
 /// Largest relative error the false colours show.
@@ -119,8 +130,8 @@ mod tests {
         assert!((c.rel_mse - (0.01 / 0.02 + 1.0 / 1.01) / 4.0).abs() < 1e-6);
         assert!((c.bias - 0.9 / 2.6).abs() < 1e-6);
         assert!((c.max - 1.0).abs() < 1e-9);
-        assert!(c.flip > 0.0);
-        assert_eq!(compare(&b, &b).unwrap().flip, 0.0);
+        assert_eq!(c.flip.map(|x| x > 0.0), cfg!(feature = "flip").then_some(true));
+        assert_eq!(compare(&b, &b).unwrap().flip, cfg!(feature = "flip").then_some(0.0));
         assert_eq!(compare(&a, &flat(&[0.0; 4], 4)), Err(SizeMismatch((2, 2), (4, 1))));
     }
 

@@ -1,7 +1,8 @@
 //! The cut through the tree that a record keeps (eas-2015, §3.2, eqs. 13–14 and Fig. 6).
 
 use super::reflector::Reflector;
-use super::tree::{Tree, luminance};
+use super::tree::Tree;
+use crate::color::luminance;
 use crate::scene::Rgb;
 use brdf_tables::batch::CapBatch;
 use core::cmp::Ordering;

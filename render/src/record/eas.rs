@@ -5,11 +5,11 @@ use crate::frame::Frame;
 use crate::scene::Rgb;
 use brdf_tables::cap::projected_solid_angle;
 use brdf_tables::real::Real;
-use core::f32::consts::{FRAC_1_PI, TAU};
+use core::f32::consts::TAU;
 use glam::{Vec2, Vec3A};
 
 /// How EAS are moved and summed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
     /// As published in "A Radiance Cache Method for Highly Glossy Surfaces", 2015: irradiance and solid angle by its eq. 16.
@@ -209,11 +209,6 @@ impl Record for EasRecord {
         let of = |s: &Eas| [s.inv_distance, s.solid_angle, s.factor].into_iter().chain(s.direction).chain(s.light);
         self.zone.is_finite() && self.background.is_finite() && self.sources.iter().all(|s| of(s).all(f32::is_finite))
     }
-}
-
-/// Mean radiance of an irradiance: E/π.
-pub fn mean_radiance(irradiance: Rgb) -> Rgb {
-    irradiance * FRAC_1_PI
 }
 
 #[cfg(test)]

@@ -67,7 +67,7 @@ impl Hessian {
 mod tests {
     use super::*;
     use crate::frame::Frame;
-    use crate::gather::{Incident, gather_uniform};
+    use crate::hemisphere::{Incident, gather_uniform};
     use crate::scene::Rgb;
     use glam::Vec2;
 
@@ -79,7 +79,7 @@ mod tests {
         Incident { radiance: Rgb::splat(radiance), distance, normal: Vec3A::NEG_Z }
     }
 
-    fn samples(from: Vec3A) -> Vec<crate::gather::GatherSample> {
+    fn samples(from: Vec3A) -> Vec<crate::hemisphere::GatherSample> {
         gather_uniform(&Frame::from_normal(Vec3A::Z), 40_000, |_| Vec2::splat(0.5), |d, _| ceiling(from, d))
     }
 

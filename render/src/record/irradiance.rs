@@ -1,8 +1,9 @@
 //! A record of irradiance with its gradients (Ward et al. 1988, Ward and Heckbert 1992), for diffuse surfaces.
 
-use super::{Hessian, Record, Zone, luminance};
+use super::{Hessian, Record, Zone};
+use crate::color::luminance;
 use crate::frame::Frame;
-use crate::gather::Incident;
+use crate::hemisphere::Incident;
 use crate::scene::Rgb;
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};

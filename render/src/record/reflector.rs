@@ -154,7 +154,7 @@ impl Albedo {
     /// Cosine of the angle from the mirror direction beyond which a cap of solid angle Ω (sr) does not matter.
     #[inline]
     pub fn support_cosine(&self, solid_angle: f32) -> f32 {
-        let angle = self.support + super::cap_half_angle(solid_angle);
+        let angle = self.support + crate::hemisphere::cap_half_angle(solid_angle);
         if angle >= core::f32::consts::PI { -1.0 } else { angle.cos() }
     }
 }

@@ -1,7 +1,7 @@
 //! The tree over the samples of a record (eas-2015, §3.2, Fig. 5 and eq. 12).
 
-use super::cell::{Cell, MAX_CHILDREN};
-use crate::gather::GatherSample;
+use crate::color::luminance;
+use crate::hemisphere::{Cell, GatherSample, MAX_CHILDREN};
 use crate::scene::Rgb;
 use core::f32::consts::TAU;
 use core::ops::Range;
@@ -119,11 +119,6 @@ impl Tree {
 /// Weight of a sample in the means: luminance, one number for all channels, so that the mean is a point.
 fn weight(sample: &GatherSample) -> f32 {
     luminance(sample.irradiance())
-}
-
-/// Luminance Y of linear sRGB.
-pub fn luminance(c: Rgb) -> f32 {
-    c.dot(Rgb::new(0.2126, 0.7152, 0.0722))
 }
 
 /// The means of eq. 12 over the samples of a cell; black samples count by their solid angle where there is no light.

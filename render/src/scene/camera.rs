@@ -73,6 +73,28 @@ pub struct Film {
     pub filter: Filter,
 }
 
+impl Film {
+    /// Largest width or height that is asked for.
+    pub const MAX_SIZE: u32 = 1 << 15;
+
+    /// Sets the size; one number alone keeps the aspect. A new size drops the crop, whose pixels are others.
+    pub fn resize(&mut self, width: Option<u32>, height: Option<u32>) {
+        let scaled = |x: u32, to: u32, from: u32| {
+            let rounded = (u64::from(x) * u64::from(to) + u64::from(from) / 2) / u64::from(from);
+            rounded.clamp(1, u64::from(Self::MAX_SIZE)) as u32
+        };
+        let (width, height) = match (width, height) {
+            (None, None) => (self.width, self.height),
+            (Some(w), Some(h)) => (w, h),
+            (Some(w), None) => (w, scaled(self.height, w, self.width)),
+            (None, Some(h)) => (scaled(self.width, h, self.height), h),
+        };
+        if (width, height) != (self.width, self.height) {
+            (self.width, self.height, self.crop) = (width, height, None);
+        }
+    }
+}
+
 /// A rectangle of pixels inside the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crop {

@@ -6,6 +6,7 @@
 mod camera;
 pub mod checksum;
 mod light;
+#[cfg(feature = "formats")]
 pub mod load;
 mod material;
 mod mesh;
@@ -17,6 +18,7 @@ pub use camera::{Camera, Crop, Film, Filter, Lens, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
+#[cfg(feature = "formats")]
 use texture::luminance;
 pub use texture::{
     Bitmap, ColorTexture, Coordinates, FloatTexture, Interpolation, Reading, Stored, Texels, Texture, TextureId,

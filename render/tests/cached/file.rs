@@ -2,10 +2,10 @@
 
 use crate::common::{table, world};
 use render::cache::Spacing;
-use render::film::Budget;
 use render::integrator::cached::file::{CacheFileError, load, save};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Settings, render_cached};
+use render::picture::Budget;
 use render::record::eas::Estimator;
 use render::world::World;
 

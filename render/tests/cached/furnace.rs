@@ -3,11 +3,9 @@
 use crate::common::{gathered, phong};
 use glam::Vec3A;
 use render::frame::Frame;
-use render::gather::Incident;
+use render::hemisphere::{Incident, hemisphere_directions};
 use render::record::eas::{EasRecord, Estimator};
-use render::record::{
-    Albedo, Centroid, CutSettings, Receiver, Reflector, Scratch, Tree, cut, hemisphere_directions, reflect,
-};
+use render::record::{Albedo, Centroid, CutSettings, Receiver, Reflector, Scratch, Tree, cut, reflect};
 
 /// Largest deviation of (reflected radiance / albedo) from 1 over views up to 70°, and the number of sources.
 fn furnace(exponent: f64, max_eas: usize, estimator: Estimator) -> (f32, usize) {

@@ -5,15 +5,15 @@ use brdf_tables::material::Material as Recipe;
 use glam::Vec3A;
 use render::bsdf::Parts;
 use render::cache::Spacing;
-use render::film::Budget;
 use render::frame::Frame;
-use render::gather::Incident;
+use render::hemisphere::{Incident, hemisphere_directions};
 use render::inspect::{Place, exact, reflected};
 use render::integrator::cached::policy::{Allowed, Policy, outlook, specular};
 use render::integrator::cached::{Settings, render_cached};
+use render::picture::Budget;
 use render::record::eas::{EasRecord, Estimator};
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
-use render::record::{Albedo, Centroid, CutSettings, Record, Reflector, Tree, cut, hemisphere_directions};
+use render::record::{Albedo, Centroid, CutSettings, Record, Reflector, Tree, cut};
 use render::scene::{ColorTexture, FloatTexture, Material, TextureId, load};
 use render::world::World;
 

@@ -4,17 +4,17 @@ use crate::common::{cached, compare, gathered, phong, table, traced, world};
 use brdf_tables::brdf::{Phong, Specular};
 use glam::Vec3A;
 use render::cache::Spacing;
-use render::film::{Budget, Picture};
 use render::frame::Frame;
-use render::gather::{GatherSample, Incident, gather_uniform};
+use render::hemisphere::{GatherSample, Incident, gather_uniform, hemisphere_directions};
 use render::integrator::cached::file::{CacheFileError, load, save};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Settings, render_cached};
+use render::picture::{Budget, Picture};
 use render::record::eas::Estimator;
 use render::record::harmonics::{
     Basis, Gradients, HarmonicBrdf, HarmonicsRecord, HarmonicsSettings, OrderChoice, Reader,
 };
-use render::record::{Albedo, Receiver, hemisphere_directions};
+use render::record::{Albedo, Receiver};
 use render::sampler::Sampler;
 
 const BASES: [Basis; 2] = [Basis::Hemispherical, Basis::Spherical];

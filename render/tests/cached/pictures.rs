@@ -2,9 +2,9 @@
 
 use crate::common::{cached, compare, table, traced, world};
 use render::cache::Spacing;
-use render::film::Budget;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Settings, render_cached};
+use render::picture::Budget;
 use render::record::eas::Estimator;
 
 const SMALL: [(&str, &str); 2] = [("width", "64"), ("height", "64")];

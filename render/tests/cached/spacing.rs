@@ -2,10 +2,11 @@
 
 use crate::common::{compare, table, traced, world};
 use render::cache::{Spacing, WEBER_FRACTION};
-use render::film::{Budget, render};
+use render::film::render;
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Settings, render_cached};
+use render::picture::Budget;
 use render::record::eas::Estimator;
 
 #[test]

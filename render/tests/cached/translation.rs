@@ -3,11 +3,9 @@
 use crate::common::{gathered, phong};
 use glam::Vec3A;
 use render::frame::Frame;
-use render::gather::{GatherSample, Incident};
+use render::hemisphere::{GatherSample, Incident, hemisphere_directions};
 use render::record::eas::{EasRecord, Estimator};
-use render::record::{
-    Albedo, Centroid, CutSettings, Receiver, Reflected, Reflector, Scratch, Tree, cut, hemisphere_directions, reflect,
-};
+use render::record::{Albedo, Centroid, CutSettings, Receiver, Reflected, Reflector, Scratch, Tree, cut, reflect};
 
 const ESTIMATORS: [Estimator; 2] = [Estimator::Paper, Estimator::Improved];
 

@@ -2,8 +2,9 @@
 
 use super::scenes::*;
 use glam::{Affine3A, Vec3};
-use render::film::{Budget, Picture, render};
+use render::film::render;
 use render::integrator::PathTracer;
+use render::picture::{Budget, Picture};
 use render::scene::*;
 use render::world::World;
 

@@ -1,8 +1,9 @@
 //! Converged images of another renderer (Mitsuba 3), where the folder `shared/scenes` lies beside the checkout.
 
-use render::film::{Budget, render};
+use render::film::render;
 use render::image::read;
 use render::integrator::PathTracer;
+use render::picture::Budget;
 use render::scene::load;
 use render::world::World;
 use std::path::{Path, PathBuf};

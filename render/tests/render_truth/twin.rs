@@ -3,8 +3,9 @@
 
 use super::scenes::*;
 use glam::{Affine3A, Vec3, Vec3A};
-use render::film::{Budget, Pixel, render};
+use render::film::render;
 use render::integrator::{PathTracer, SimplePathTracer};
+use render::picture::{Budget, Pixel};
 use render::scene::*;
 use render::world::World;
 

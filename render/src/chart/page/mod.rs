@@ -160,7 +160,8 @@ fn runs(results: &Results) -> String {
         rows.sort_by(|a, b| (place(a), is_budget(b)).cmp(&(place(b), is_budget(a))));
         for r in rows {
             let seconds = [r.fill, r.shade, r.seconds].map(|s| format!("{s:.2}"));
-            let errors = [r.rmse, r.rel_mse, r.max, r.flip].map(|e| plain(&e));
+            let errors =
+                [Some(r.rmse), Some(r.rel_mse), Some(r.max), r.flip].map(|e| e.map_or("–".into(), |e| plain(&e)));
             let memory = [r.size, r.bytes_per_record, r.bytes as f64 / 1e3].map(|x| plain(&x));
             let mut line = vec![escape(&r.scene), escape(&r.method), escape(&r.setting), r.spp.to_string()];
             line.extend(seconds);

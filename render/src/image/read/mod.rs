@@ -10,9 +10,8 @@ mod primaries;
 mod window;
 
 use super::write::content;
-use super::{Image, ImageError, Raster, from_srgb};
+use super::{Image, ImageError, Noise, Raster, from_srgb};
 use crate::memory;
-use crate::z_test::Noise;
 use std::path::Path;
 
 pub use window::{Window, Windows};

@@ -11,7 +11,7 @@ use filmic::Filmic;
 use rayon::prelude::*;
 
 /// How light becomes what a screen shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum View {
     /// The light itself, cut off at 1 (sRGB curve): for measuring and for textures.
     #[default]

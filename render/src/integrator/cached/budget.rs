@@ -6,7 +6,7 @@ use super::file::Loaded;
 use super::policy::Policy;
 use super::settings::{Knobs, Quality, TOLERANCE};
 use super::{LightSplit, Settings};
-use crate::film::Budget;
+use crate::picture::Budget;
 use crate::world::World;
 use std::time::Instant;
 

@@ -3,10 +3,10 @@
 use super::direct::{Left, emission, environment, receiver, sample_light};
 use super::irradiance::interpolated;
 use crate::cache::Cache;
-use crate::gather::Incident;
+use crate::color::mean_radiance;
+use crate::hemisphere::Incident;
 use crate::integrator::media::Media;
 use crate::ray::Ray;
-use crate::record::eas::mean_radiance;
 use crate::record::irradiance::IrradianceRecord;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};

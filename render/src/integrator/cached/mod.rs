@@ -23,7 +23,7 @@ mod surface;
 mod views;
 
 use crate::cache::Spacing;
-use crate::film::{Budget, Picture};
+use crate::picture::{Budget, Picture};
 use crate::record::CutSettings;
 use crate::record::eas::Estimator;
 use crate::world::World;

@@ -3,9 +3,9 @@
 use crate::bsdf::Bsdf;
 use crate::camera::RayGenerator;
 use crate::frame::Frame;
+use crate::hemisphere::View;
 use crate::integrator::media::Media;
 use crate::ray::Ray;
-use crate::record::View;
 use crate::sampler::Sampler;
 use crate::scene::{MaterialId, Projection, Rgb};
 use crate::world::{Interaction, Queries, World};

@@ -10,7 +10,7 @@ use super::site::Site;
 use crate::bsdf::Parts;
 use crate::cache::Cache;
 use crate::frame::Frame;
-use crate::gather::GatherSample;
+use crate::hemisphere::GatherSample;
 use crate::record::Reflector;
 use crate::record::eas::EasRecord;
 use thiserror::Error;

@@ -5,13 +5,15 @@ use super::incident::IncidentTracer;
 use super::points::Point;
 use super::settings::Quality;
 use crate::bsdf::Parts;
-use crate::film::widest;
 use crate::frame::Frame;
-use crate::gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform};
+use crate::hemisphere::{
+    Cell, GatherSample, Guide, Incident, View, gather_cells, gather_cells_uniform, gather_uniform,
+};
+use crate::record::Zone;
 use crate::record::irradiance::{Gathered, IrradianceRecord, Strata};
-use crate::record::{Cell, Guide, View, Zone};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
+use crate::simd::widest;
 use crate::world::{Counts, Queries};
 use fearless_simd::Level;
 use glam::{Vec2, Vec3A};

@@ -3,7 +3,7 @@
 use super::build::Builder;
 use super::points::Point;
 use crate::cache::RadiusPolicy;
-use crate::record::View;
+use crate::hemisphere::View;
 use glam::Vec3A;
 
 /// Where the views of a record are taken, in quarters of its reach.

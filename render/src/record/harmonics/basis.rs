@@ -30,7 +30,7 @@ pub(super) type Rows = [f32; PACKED];
 pub(super) type PerM = [f32; WIDTH];
 
 /// Which functions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
     /// Hemispherical harmonics in the frame of the record: Legendre functions of 2cosθ − 1.

@@ -5,7 +5,7 @@ use super::basis::Basis;
 use glam::Vec3A;
 
 /// How translational gradients are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gradients {
     /// By differentiating every term of the projection (§4.3.2).

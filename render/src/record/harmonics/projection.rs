@@ -4,10 +4,10 @@ use super::basis::{
     Basis, LANES, PACKED, PerM, Rows, WIDTH, azimuths, legendre_rows, row, slope_rows, vectors, vectors_mut,
 };
 use super::gradient::{DISPLACEMENT, Gradients, Patch};
-use crate::film::widest;
 use crate::frame::Frame;
-use crate::gather::GatherSample;
+use crate::hemisphere::GatherSample;
 use crate::scene::Rgb;
+use crate::simd::widest;
 use fearless_simd::Level;
 use glam::Vec3A;
 
@@ -225,7 +225,7 @@ fn add(order: usize, sums: &mut [Sum], rows: &[Rows; BLOCK], turns: &[[PerM; BLO
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gather::Incident;
+    use crate::hemisphere::Incident;
     use crate::record::harmonics::MAX_ORDER;
     use brdf_tables::gauss::gauss_legendre;
 

@@ -3,7 +3,7 @@
 use super::projection::Projector;
 use super::{Basis, HarmonicsSettings, MAX_ORDER};
 use crate::frame::Frame;
-use crate::gather::GatherSample;
+use crate::hemisphere::GatherSample;
 use crate::record::{Record, Zone};
 use crate::scene::Rgb;
 use glam::Vec3A;

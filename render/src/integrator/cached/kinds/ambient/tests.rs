@@ -2,12 +2,12 @@
 
 use super::{Ambient, GlossyKind};
 use crate::cache::Spacing;
-use crate::film::Budget;
 use crate::integrator::PathTracer;
 use crate::integrator::cached::file::{load, save};
 use crate::integrator::cached::kinds::KINDS;
 use crate::integrator::cached::policy::{Allowed, Policy};
 use crate::integrator::cached::{Settings, render_cached};
+use crate::picture::Budget;
 use crate::record::eas::Estimator;
 use crate::scene::load;
 use crate::world::World;
@@ -47,7 +47,7 @@ fn a_kind_of_the_list_renders_and_is_kept() {
     // Light from everywhere is no mirror, but about as much as there is.
     let integrator = PathTracer { settings: world.scene.integrator, indirect_only: true };
     let truth = crate::film::render(&world, &integrator, Budget::Samples(64), 7, &|_| ());
-    let mean = |p: &crate::film::Picture| p.image().pixels.iter().flatten().map(|x| f64::from(*x)).sum::<f64>();
+    let mean = |p: &crate::picture::Picture| p.image().pixels.iter().flatten().map(|x| f64::from(*x)).sum::<f64>();
     let ratio = mean(&picture) / mean(&truth);
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
 

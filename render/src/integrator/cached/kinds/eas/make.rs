@@ -3,13 +3,12 @@
 use super::{Eas, GlossyKind, Held};
 use crate::bsdf::Parts;
 use crate::cache::RadiusPolicy;
-use crate::gather::GatherSample;
+use crate::color::luminance;
+use crate::hemisphere::{GatherSample, View, hemisphere_directions};
 use crate::integrator::cached::points::Point;
 use crate::integrator::cached::site::Site;
 use crate::record::eas::{EasRecord, Estimator};
-use crate::record::{
-    Centroid, Hessian, Receiver, Record, Reflector, Scratch, Tree, View, cut, hemisphere_directions, luminance,
-};
+use crate::record::{Centroid, Hessian, Receiver, Record, Reflector, Scratch, Tree, cut};
 use crate::world::Counts;
 use glam::Vec3A;
 use std::cell::RefCell;

@@ -3,9 +3,10 @@
 use super::{Eas, Held};
 use crate::bsdf::{Parts, Split};
 use crate::cache::Cache;
+use crate::color::mean_radiance;
 use crate::integrator::cached::kind::{FOUND, Found, Shaded};
 use crate::integrator::cached::settings::Quality;
-use crate::record::eas::{EasRecord, mean_radiance};
+use crate::record::eas::EasRecord;
 use crate::record::{Receiver, Record, Reflected, Reflector, Scratch, reflect};
 use crate::scene::Rgb;
 

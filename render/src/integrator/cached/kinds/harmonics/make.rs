@@ -3,8 +3,8 @@
 use super::{GlossyKind, Harmonics, Held};
 use crate::cache::RadiusPolicy;
 use crate::frame::Frame;
+use crate::hemisphere::View;
 use crate::integrator::cached::site::Site;
-use crate::record::View;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
 use crate::world::Counts;
 use glam::Vec3A;

@@ -2,8 +2,8 @@
 //!
 //! The estimator of radiance is the caller's: any renderer can fill a record.
 
+use super::Cell;
 use crate::frame::Frame;
-use crate::record::Cell;
 use crate::scene::Rgb;
 use glam::{Vec2, Vec3A};
 

@@ -25,7 +25,7 @@ impl Drop for Pending {
 
 /// Sets the process up to be ended: what Ctrl-C and the like interrupt leaves no temporary file, and a file that grows
 /// beyond what the shell's `ulimit -f` allows is an error of that file instead of the end of the process.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "command"))]
 pub fn watch() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::{flag, iterator::Signals, low_level::emulate_default_handler};
@@ -46,11 +46,11 @@ pub fn watch() {
 }
 
 /// Nothing to set up.
-#[cfg(not(unix))]
+#[cfg(all(not(unix), feature = "command"))]
 pub fn watch() {}
 
 /// Whether whoever started the process has it ignore a signal (`nohup`, jobs in the background of a script).
-#[cfg(unix)]
+#[cfg(all(unix, feature = "command"))]
 fn ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

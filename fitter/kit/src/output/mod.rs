@@ -8,7 +8,7 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use super::pending::Pending;
+use crate::pending::Pending;
 pub use outputs::{Outputs, check_folder};
 use place::{Place, folder_of};
 use std::fs::{self, OpenOptions};

@@ -1,17 +1,8 @@
 //! Whether two pictures differ by more than their noise.
 
+use super::SizeMismatch;
 use crate::image::Image;
-use crate::metric::SizeMismatch;
 use serde::Serialize;
-
-/// A picture with the variance of every pixel's mean, as its own rendering estimated it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Noise {
-    /// Variance of the mean, by pixel and channel.
-    pub variance: Image,
-    /// Samples per pixel behind it.
-    pub spp: u32,
-}
 
 /// Differences in standard errors (z), of a set of places.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -1,0 +1,10 @@
+//! The hemisphere of a record before there is one: its cells, how they follow what is looked at, and the light sampled in them.
+
+mod cell;
+mod gather;
+mod guide;
+
+pub(crate) use cell::MAX_CHILDREN;
+pub use cell::{Cell, cap_half_angle};
+pub use gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform};
+pub use guide::{Guide, View, hemisphere_directions};

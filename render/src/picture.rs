@@ -1,0 +1,156 @@
+//! What a rendering is while it is made: light by the way it took, sums of a pixel, a picture of them, and when it is done.
+
+use crate::bsdf::Split;
+use crate::memory;
+use crate::scene::{Camera, Crop, Rgb};
+use crate::world::{Counts, Queries};
+use core::ops::AddAssign;
+use glam::Vec3A;
+use std::time::Duration;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// After this many samples per pixel.
+    Samples(u32),
+    /// Before this much time has passed, but not before one sample per pixel.
+    Time(Duration),
+    /// When the root of the estimated relative mean square error (see [`Picture::relative_error`]) is at most this.
+    Error(f32),
+}
+
+/// Sums over the samples of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pixel {
+    /// Everything, summed; distances are depths along the camera's axis.
+    pub sum: Radiance,
+    /// Sum of the squares of the samples' mean channel.
+    pub squares: f32,
+    /// Over the passes, sum of (the samples' sum)² / (their number).
+    pub pass_squares: Rgb,
+    /// Number of samples that met a surface.
+    pub surfaces: u32,
+}
+
+/// A rendering.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Column and row of the first pixel in the whole film.
+    pub corner: [u32; 2],
+    /// Row by row from the top.
+    pub pixels: Vec<Pixel>,
+    /// Samples of every pixel.
+    pub spp: u32,
+    /// Passes that took them.
+    pub passes: u32,
+    /// Rays, and how many paths were dropped.
+    pub counts: Counts,
+}
+
+/// Radiance along a ray, by the way the light took, and what the ray meets first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Radiance {
+    /// From emitters the ray itself meets.
+    pub emission: Rgb,
+    /// From emitters, scattered once; by the part of the first surface that scattered it.
+    pub direct: Split,
+    /// Scattered more than once; by the part of the first surface.
+    pub indirect: Split,
+    /// Reflectance of the first surface.
+    pub albedo: Rgb,
+    /// Unit shading normal of the first surface, towards the eye; zero without surface.
+    pub normal: Vec3A,
+    /// Distance to the first surface; 0 without surface.
+    pub distance: f32,
+}
+
+impl Radiance {
+    /// Light of all ways.
+    #[inline]
+    pub fn sum(&self) -> Rgb {
+        self.emission + self.direct.sum() + self.indirect.sum()
+    }
+
+    /// Whether every number is finite, and so will be the sum over the samples of a pixel.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        summable(self.sum() + self.albedo + self.normal + Vec3A::splat(self.distance))
+    }
+
+    /// The same, or nothing where a number is not finite: nothing of a broken sample enters a picture. `queries` counts it.
+    #[inline]
+    pub fn finite(self, queries: &mut Queries) -> Self {
+        if self.is_finite() {
+            return self;
+        }
+        queries.counts.not_finite += 1;
+        Self::default()
+    }
+}
+
+/// Whether millions of such numbers have a sum; not so where one is NaN.
+#[inline]
+pub(crate) fn summable(x: Rgb) -> bool {
+    x.abs().cmplt(Vec3A::splat(1e30)).all()
+}
+
+impl AddAssign for Radiance {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        self.emission += other.emission;
+        self.direct = self.direct + other.direct;
+        self.indirect = self.indirect + other.indirect;
+        self.albedo += other.albedo;
+        self.normal += other.normal;
+        self.distance += other.distance;
+    }
+}
+
+/// Bytes that a pixel takes while an EXR of it is made, beside the film: channels, and the file twice while it grows.
+const EXR_BYTES: u64 = 28 * 4 * 3;
+/// Bytes of the surfaces that a cached rendering keeps of a pixel, about: a lens shows more of them.
+const SURFACE_BYTES: [u64; 2] = [1024, 3072];
+
+/// Refuses a film for which there is not enough memory, with caches and with a lens or without.
+///
+/// # Errors
+/// One line with what it needs and what there is.
+pub fn require_memory(camera: &Camera, cached: bool, lens: bool) -> Result<(), String> {
+    let Crop { width, height, .. } = camera.film.window();
+    let pixel = size_of::<Pixel>() as u64 + if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
+    let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
+    memory::require(&format!("a film of {width} × {height} pixels"), need)
+        .map_err(|what| format!("{what}; choose a smaller one with --width, or a part of it with --crop"))
+}
+
+impl Picture {
+    /// Share of a pixel's samples that met a surface.
+    pub fn alpha(&self, pixel: &Pixel) -> f32 {
+        pixel.surfaces as f32 / self.spp.max(1) as f32
+    }
+
+    /// Variance of a pixel's mean, from the differences between passes, which see the even distribution of the samples
+    /// inside each; `None` with less than two passes.
+    pub fn variance(&self, pixel: &Pixel) -> Option<Rgb> {
+        let (n, degrees) = (self.spp as f32, self.passes.checked_sub(1).filter(|d| *d > 0)? as f32);
+        let sum = pixel.sum.sum();
+        Some((pixel.pass_squares - sum * sum / n).max(Rgb::ZERO) / (degrees * n))
+    }
+
+    /// Root of the mean over the pixels of (variance of the pixel's mean)/(mean² + 0.01), in the mean of the channels.
+    /// The variance is that of independent samples, so well distributed ones have less error than this says.
+    pub fn relative_error(&self) -> f32 {
+        let n = self.spp as f32;
+        let of_pixel = |p: &Pixel| {
+            let mean = p.sum.sum().element_sum() / (3.0 * n);
+            let variance = (p.squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0);
+            f64::from(variance / (mean * mean + 0.01))
+        };
+        let sum: f64 = self.pixels.iter().map(of_pixel).sum();
+        (sum / self.pixels.len().max(1) as f64).sqrt() as f32
+    }
+}

@@ -1,0 +1,15 @@
+//! Code compiled for the vectors of the machine.
+
+use fearless_simd::{Level, Simd};
+
+/// Runs `f`, compiled for AVX2 where the machine has it: scalar code gains from its encodings. Nothing is fused that is not
+/// written so, so pictures do not depend on it.
+#[inline(always)]
+pub(crate) fn widest<T>(level: Level, f: impl FnOnce() -> T) -> T {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(avx2) = level.as_avx2() {
+        return avx2.vectorize(f);
+    }
+    let _ = level;
+    f()
+}
