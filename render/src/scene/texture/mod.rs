@@ -8,6 +8,7 @@ pub use bitmap::{Bitmap, Interpolation, Texels, Wrap};
 use core::ops::{Add, Mul};
 use glam::{Affine2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "formats")]
 pub(super) use stored::luminance;
 pub use stored::{Reading, Stored, Transfer};
 
