@@ -32,8 +32,8 @@ pub(super) fn raised(n: Vec3A, bent: Vec3A, wo: Vec3A) -> Vec3A {
     n * cos + along * sin
 }
 
-/// Share of diffuse light from `wi` that a normal map lets through, so that lobes of normals which face the light more
-/// than the surface does end softly where the surface ends (Chiang, Li and Burley 2019, "Taming the shadow terminator"):
+/// Share of diffuse light from `wi` that a normal map, or the smooth normal of a triangle, lets through, so that lobes of
+/// normals which face the light more than the surface does end softly where the surface ends (Chiang, Li and Burley 2019, "Taming the shadow terminator"):
 /// −g³ + g² + g with g = n·wi / (bent·wi · n·bent), in cosines.
 #[inline]
 pub(super) fn terminator(n_wi: f32, bent_wi: f32, n_bent: f32) -> f32 {

@@ -143,6 +143,8 @@ pub struct Bsdf<'a> {
     unbent: Option<Vec3A>,
     /// The normal of the diffuse part in the local frame, where it is not that of the frame.
     diffuse_normal: Option<Vec3A>,
+    /// The normal of the triangle in the local frame, where light is to end softly with it.
+    facet: Option<Vec3A>,
     /// The material behind all wrappers.
     material: MaterialId,
 }
@@ -285,6 +287,9 @@ impl Bsdf<'_> {
         if let (Some(n), Some(bent)) = (self.unbent, self.diffuse_normal) {
             let cos = bent.dot(wi).max(0.0);
             value.f.diffuse *= cos / wi.z * bend::terminator(n.dot(wi), cos, n.dot(bent));
+        }
+        if let Some(facet) = self.facet {
+            value.f.diffuse *= bend::terminator(facet.dot(wi), wi.z, facet.z);
         }
         value
     }

@@ -73,7 +73,9 @@ impl World {
                     let [unbent, diffuse_normal] = [unbent, diffuse_normal].map(|n| n.map(|n| frame.to_local(n)));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
                     let model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
-                    return Bsdf { model, frame, wo, unbent, diffuse_normal, material: id };
+                    let soft = self.scene.integrator.soft_terminator;
+                    let facet = soft.then(|| frame.to_local(at.normal)).map(|n| n * 1f32.copysign(n.z));
+                    return Bsdf { model, frame, wo, unbent, diffuse_normal, facet, material: id };
                 }
             }
         }

@@ -96,6 +96,10 @@ pub struct Args {
     pub(super) looking: Looking,
     #[command(flatten)]
     pub(super) reading: Reading,
+    /// Let light end softly on smooth surfaces of few triangles, whose edges show where it grazes them. Darker there than
+    /// the truth of the smooth normals; leave it out where pictures are compared.
+    #[arg(long)]
+    pub(super) soft_terminator: bool,
     /// Largest number of path segments, 1 = emitters only [default: the scene's].
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX, "; leave it out for the scene's own"))]
     pub(super) max_depth: Option<u32>,

@@ -70,6 +70,7 @@ impl Job {
         let lens = args.optics.check(&scene.camera)?;
         require_memory(&scene.camera, args.method != Method::Path, lens).map_err(Error::msg).with_context(place)?;
         scene.integrator.hide_environment = args.looking.transparent;
+        scene.integrator.soft_terminator = args.soft_terminator;
         if let Some(depth) = args.max_depth {
             scene.integrator.max_depth = depth;
         }

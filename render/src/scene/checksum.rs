@@ -33,9 +33,10 @@ impl Checksums {
             camera,
             integrator,
         } = scene;
-        let IntegratorSettings { max_depth, rr_depth, hide_emitters, hide_environment, spp: _ } = integrator;
+        let IntegratorSettings { max_depth, rr_depth, hide_emitters, hide_environment, soft_terminator, spp: _ } =
+            integrator;
         let mut geometry = Hash::default();
-        geometry.encoded(&(shapes, groups, instances, lights, environment, max_depth, rr_depth));
+        geometry.encoded(&(shapes, groups, instances, lights, environment, max_depth, rr_depth, soft_terminator));
         let mut surfaces = Hash::default();
         surfaces.encoded(&(materials, textures));
         let mut view = Hash::default();

@@ -43,13 +43,23 @@ pub struct IntegratorSettings {
     pub hide_emitters: bool,
     /// Whether the environment alone is, so that a picture may have a transparent background.
     pub hide_environment: bool,
+    /// Whether light on smooth normals ends softly where the triangles under them turn away from it, so that few
+    /// triangles do not show. It takes light away that the smooth normals would show: off where pictures are compared.
+    pub soft_terminator: bool,
     /// Samples per pixel the file asks for.
     pub spp: u32,
 }
 
 impl Default for IntegratorSettings {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, rr_depth: 5, hide_emitters: false, hide_environment: false, spp: 16 }
+        Self {
+            max_depth: u32::MAX,
+            rr_depth: 5,
+            hide_emitters: false,
+            hide_environment: false,
+            soft_terminator: false,
+            spp: 16,
+        }
     }
 }
 

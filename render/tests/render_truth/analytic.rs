@@ -135,6 +135,31 @@ fn sphere_light_has_its_form_factor() {
     check("sphere", scene, ray, 0.5 * 3.0 * 0.25 * 0.25, false);
 }
 
+/// A triangle whose smooth normals lean 40° towards a light that grazes it at 10°: the light falls on the smooth normal, and with
+/// a soft terminator times −g³ + g² + g, g = cos 80° / (cos 40° cos 40°) (Chiang, Li and Burley 2019).
+#[test]
+fn smooth_normals_end_softly() {
+    let degrees = |x: f64| x.to_radians() as f32;
+    let lean = Vec3::new(degrees(40.0).sin(), 0.0, degrees(40.0).cos());
+    let mut triangle = Mesh::rectangle(Affine3A::from_scale(Vec3::splat(5.0)));
+    triangle.normals = vec![lean; triangle.positions.len()];
+    let direction = -Vec3A::new(degrees(80.0).sin(), 0.0, degrees(80.0).cos());
+    let sun = Light::Directional { direction, irradiance: Rgb::splat(2.0) };
+    let ray = Ray::new(Vec3A::new(0.2, 0.1, 3.0), Vec3A::NEG_Z);
+    let hard = 0.5 / PI * 2.0 * 40f64.to_radians().cos();
+    let g = 80f64.to_radians().cos() / 40f64.to_radians().cos().powi(2);
+    for (soft, exact) in [(false, hard), (true, hard * (g * g + g - g * g * g))] {
+        let scene = Scene {
+            shapes: vec![mesh(triangle.clone(), 0, None)],
+            materials: vec![diffuse(0.5)],
+            lights: vec![sun.clone()],
+            integrator: IntegratorSettings { soft_terminator: soft, ..IntegratorSettings::default() },
+            ..Scene::default()
+        };
+        check(if soft { "soft terminator" } else { "terminator" }, scene, ray, exact, true);
+    }
+}
+
 /// Irradiance from a directional light and from a spot.
 #[test]
 fn lights_without_extent() {
