@@ -152,7 +152,7 @@ fn smooth_normals_end_softly() {
         let scene = Scene {
             shapes: vec![mesh(triangle.clone(), 0, None)],
             materials: vec![diffuse(0.5)],
-            lights: vec![sun.clone()],
+            lights: vec![sun],
             integrator: IntegratorSettings { soft_terminator: soft, ..IntegratorSettings::default() },
             ..Scene::default()
         };
