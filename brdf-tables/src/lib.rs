@@ -24,7 +24,7 @@
 //! let mut mean = [0.0; 2];
 //! table.specular_values(&caps, wo, &mut mean);
 //! let radiance: f32 = irradiance.iter().zip(mean).map(|(e, f)| e * f).sum();
-//! assert!((radiance - 13.9).abs() < 0.1, "{radiance} W/(m² sr)");
+//! assert!((radiance - 16.2).abs() < 0.1, "{radiance} W/(m² sr)");
 //! # Ok(())
 //! # }
 //! ```
