@@ -79,7 +79,7 @@ impl Eas {
         let reflected = |x: f32, y: f32| {
             let position = point.at.p + point.frame.to_world(Vec3A::new(x, y, 0.0));
             let at = Receiver { position, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
-            luminance(SCRATCH.with_borrow_mut(|scratch| self.reflected(held, record, parts, &at, quality, scratch)))
+            luminance(SCRATCH.with_borrow_mut(|scratch| self.light(held, record, parts, &at, quality, scratch)))
         };
         let bound = Hessian::of(step, reflected).radius(reflected(0.0, 0.0), quality.curvature);
         policy.bounded(bound.min(nearest), point.footprint)

@@ -8,12 +8,13 @@ mod want;
 use super::Allowed;
 use crate::bsdf::Parts;
 use crate::cache::Cache;
+use crate::color::mean_radiance;
 use crate::integrator::cached::file::{CacheFileError, Reader};
 use crate::integrator::cached::kind::{Found, GlossyKind, KindFigures, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::integrator::cached::site::Site;
 use crate::record::eas::EasRecord;
-use crate::record::{Receiver, Scratch};
+use crate::record::{Receiver, Reflector, Scratch, reflect};
 use crate::scene::Rgb;
 use crate::scene::checksum::Hash;
 use crate::world::Counts;
@@ -94,7 +95,10 @@ impl GlossyKind for Eas {
         quality: &Quality,
         scratch: &mut Scratch,
     ) -> Rgb {
-        self.reflected(held, record, parts, at, quality, scratch)
+        let lobe = &self.lobes[held.lobe];
+        let reflector = Reflector::of(&lobe.table, parts);
+        let found = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
+        parts.diffuse * mean_radiance(found.irradiance) + found.specular
     }
 
     #[inline(always)]

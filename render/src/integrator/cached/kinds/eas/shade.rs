@@ -1,35 +1,19 @@
 //! What EAS records reflect (eas-2015, eq. 17).
 
 use super::{Eas, Held};
-use crate::bsdf::{Parts, Split};
+use crate::bsdf::Split;
 use crate::cache::Cache;
 use crate::color::mean_radiance;
 use crate::integrator::cached::kind::{FOUND, Found, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::record::eas::EasRecord;
-use crate::record::{Receiver, Record, Reflected, Reflector, Scratch, reflect};
+use crate::record::{Record, Reflected, Reflector, Scratch, reflect};
 use crate::scene::Rgb;
 
 /// Doubt about records that is borne without tracing.
 const DOUBT: f32 = 0.1;
 
 impl Eas {
-    /// What one record reflects at a point.
-    pub(super) fn reflected(
-        &self,
-        held: Held,
-        record: &EasRecord,
-        parts: &Parts,
-        at: &Receiver,
-        quality: &Quality,
-        scratch: &mut Scratch,
-    ) -> Rgb {
-        let lobe = &self.lobes[held.lobe];
-        let reflector = Reflector::of(&lobe.table, parts);
-        let found = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
-        parts.diffuse * mean_radiance(found.irradiance) + found.specular
-    }
-
     /// Eq. 17, and the share of it that is to be traced instead because records say little of this point.
     #[inline(always)]
     pub(super) fn interpolated(
