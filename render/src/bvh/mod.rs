@@ -1,10 +1,14 @@
 //! Triangles under an eight-wide bounding volume hierarchy.
 //!
-//! obvhs builds a binary tree; `build` folds it into nodes of eight children and leaves of eight triangles, stored
-//! lane by lane so that `traverse` tests eight of either at once. Boxes keep full precision and the triangle test is
-//! watertight: a ray cannot slip between two triangles that share an edge.
+//! `binary` cuts the triangles from the top by the surface area heuristic (`bins`), obvhs mends that tree, `fold` chooses which of
+//! its nodes become nodes of eight children above leaves of eight triangles, and `build` stores these lane by lane so that
+//! `traverse` tests eight of either at once. Boxes keep full precision and the triangle test is watertight: a ray cannot slip
+//! between two triangles that share an edge.
 
+mod binary;
+mod bins;
 mod build;
+mod fold;
 mod stack;
 mod traverse;
 
