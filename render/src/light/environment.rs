@@ -4,6 +4,7 @@ use crate::math::{atan2, sin_cos_turn};
 use crate::scene::{EnvironmentMap, Rgb, Rows};
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};
+use rayon::prelude::*;
 
 impl EnvironmentMap {
     /// Coordinates of a direction of the world, and the sine of its angle to the pole.
@@ -46,62 +47,64 @@ impl EnvironmentMap {
     }
 }
 
-/// A row of cumulated weights, inverted in constant time through a table of starting points.
+/// Rows of cumulated weights, each of which inverts a number of the unit interval.
+///
+/// A map that is larger than the caches costs what it takes to fetch from memory. A row's blocks are told apart by their first
+/// values, which stand close together; what is fetched for a sample is one block of [`BLOCK`] values.
 #[derive(Clone, Debug)]
-struct Cdf {
-    /// n + 1 values from 0 to 1, and [`STEPS`] times infinity.
+struct Cdfs {
+    /// Of each row n + 1 values from 0 to 1, then infinity up to the end of the block.
     cumulated: Vec<f32>,
-    /// For i/n: the last index whose value is at most i/n.
-    guide: Vec<u32>,
+    /// Of each row the first value of every block.
+    first: Vec<f32>,
+    /// Number of intervals.
+    n: usize,
+    /// Blocks of a row.
+    blocks: usize,
 }
 
-/// Intervals that are passed without a branch, whose outcome no processor could foresee.
-const STEPS: usize = 3;
+/// Values of a block: a line of the cache.
+const BLOCK: usize = 16;
 
-impl Cdf {
-    fn new(weights: impl Iterator<Item = f64> + Clone) -> (Self, f64) {
-        let total: f64 = weights.clone().sum();
-        let mut sum = 0.0;
-        let mut cumulated: Vec<f32> = Vec::new();
-        for w in weights {
-            cumulated.push(if total > 0.0 { sum / total } else { 0.0 } as f32);
-            sum += w;
-        }
-        let n = cumulated.len();
-        cumulated.push(1.0);
-        if total <= 0.0 {
-            (0..n).for_each(|i| cumulated[i] = i as f32 / n as f32);
-        }
-        let mut guide = Vec::with_capacity(n);
-        let mut i = 0;
-        for k in 0..n {
-            while cumulated[i + 1] <= k as f32 / n as f32 {
-                i += 1;
+impl Cdfs {
+    /// Rows of `n` weights each; also returns the sum of each row. A row without weight is even.
+    fn new(n: usize, rows: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> (Self, Vec<f64>) {
+        let blocks = (n + 1).div_ceil(BLOCK);
+        let row = |row| {
+            let weights: Vec<f64> = (0..n).map(|i| weight(row, i)).collect();
+            let total: f64 = weights.iter().sum();
+            let mut sum = 0.0;
+            let mut cumulated = vec![f32::INFINITY; blocks * BLOCK];
+            for (i, (c, w)) in cumulated.iter_mut().zip(&weights).enumerate() {
+                *c = if total > 0.0 { sum / total } else { i as f64 / n as f64 } as f32;
+                sum += w;
             }
-            guide.push(i as u32);
-        }
-        cumulated.extend([f32::INFINITY; STEPS]);
-        (Self { cumulated, guide }, total)
+            cumulated[n] = 1.0;
+            (cumulated, total)
+        };
+        let (cumulated, sums): (Vec<_>, Vec<_>) = (0..rows).into_par_iter().map(row).unzip();
+        let cumulated = cumulated.concat();
+        let first = cumulated.iter().copied().step_by(BLOCK).collect();
+        (Self { cumulated, first, n, blocks }, sums)
     }
 
-    /// Interval that holds u, and the position of u inside it.
+    /// Interval of a row that holds u, and the position of u inside it.
     #[inline(always)]
-    fn sample(&self, u: f32) -> (usize, f32) {
-        let n = self.guide.len();
-        let mut i = self.guide[((u * n as f32) as usize).min(n - 1)] as usize;
-        i += self.cumulated[i + 1..][..STEPS].iter().filter(|&&c| c <= u).count();
-        while self.cumulated[i + 1] <= u {
-            i += 1;
-        }
-        let i = i.min(n - 1);
-        let width = self.cumulated[i + 1] - self.cumulated[i];
-        (i, if width > 0.0 { ((u - self.cumulated[i]) / width).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 })
+    fn sample(&self, row: usize, u: f32) -> (usize, f32) {
+        // Counting has no branch whose outcome no processor could foresee.
+        let at_most = |values: &[f32]| values.iter().map(|&c| u32::from(c <= u)).sum::<u32>() as usize;
+        let block = at_most(&self.first[row * self.blocks..][..self.blocks]).max(1) - 1;
+        let cumulated = &self.cumulated[row * self.blocks * BLOCK..][..self.blocks * BLOCK];
+        let i = (block * BLOCK + at_most(&cumulated[block * BLOCK..][..BLOCK]).max(1) - 1).min(self.n - 1);
+        let width = cumulated[i + 1] - cumulated[i];
+        (i, if width > 0.0 { ((u - cumulated[i]) / width).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 })
     }
 
-    /// Probability of interval `i`.
+    /// Probability of interval `i` of a row.
     #[inline(always)]
-    fn probability(&self, i: usize) -> f32 {
-        self.cumulated[i + 1] - self.cumulated[i]
+    fn probability(&self, row: usize, i: usize) -> f32 {
+        let at = row * self.blocks * BLOCK + i;
+        self.cumulated[at + 1] - self.cumulated[at]
     }
 }
 
@@ -109,8 +112,12 @@ impl Cdf {
 /// no light is out of reach, times the solid angle; then a point of the cell.
 #[derive(Clone, Debug)]
 pub(super) struct MapSampler {
-    rows: Cdf,
-    columns: Vec<Cdf>,
+    /// One row: which row of cells.
+    rows: Cdfs,
+    /// Which cell of a row.
+    columns: Cdfs,
+    /// Cells across and down.
+    size: [usize; 2],
 }
 
 impl MapSampler {
@@ -134,19 +141,19 @@ impl MapSampler {
             Rows::Poles => (h - 1).max(1),
             Rows::Bands => h,
         };
-        let (columns, sums): (Vec<_>, Vec<_>) = (0..n).map(|y| Cdf::new((0..w).map(move |x| cell(x, y)))).unzip();
+        let (columns, sums) = Cdfs::new(w, n, |y, x| cell(x, y));
         let sine = |y: usize| (core::f64::consts::PI * (y as f64 + 0.5) / n as f64).sin();
-        let rows = Cdf::new(sums.iter().enumerate().map(|(y, s)| s * sine(y))).0;
-        Self { rows, columns }
+        let rows = Cdfs::new(n, 1, |_, y: usize| sums[y] * sine(y)).0;
+        Self { rows, columns, size: [w, n] }
     }
 
     /// A direction of the world, its density in sr⁻¹, and the radiance from there.
     #[inline(always)]
     pub fn sample(&self, map: &EnvironmentMap, u: Vec2) -> (Vec3A, f32, Rgb) {
-        let (y, fy) = self.rows.sample(u.y);
-        let (x, fx) = self.columns[y].sample(u.x);
-        let (w, h) = (self.columns[0].guide.len() as f32, self.columns.len() as f32);
-        let uv = Vec2::new((x as f32 + fx) / w, (y as f32 + fy) / h);
+        let (y, fy) = self.rows.sample(0, u.y);
+        let (x, fx) = self.columns.sample(y, u.x);
+        let [w, h] = self.size;
+        let uv = Vec2::new((x as f32 + fx) / w as f32, (y as f32 + fy) / h as f32);
         let (sin_phi, cos_phi) = sin_cos_turn(uv.x);
         let (sin, cos) = sin_cos_turn(0.5 * uv.y);
         let d = map.to_world * Vec3A::new(sin * sin_phi, cos, -sin * cos_phi);
@@ -155,16 +162,15 @@ impl MapSampler {
 
     #[inline(always)]
     fn density(&self, x: usize, y: usize, sin: f32) -> f32 {
-        let columns = &self.columns[y];
-        let texels = (columns.guide.len() * self.columns.len()) as f32;
-        self.rows.probability(y) * columns.probability(x) * texels / (TAU * PI * sin.max(1e-6))
+        let cells = (self.size[0] * self.size[1]) as f32;
+        self.rows.probability(0, y) * self.columns.probability(y, x) * cells / (TAU * PI * sin.max(1e-6))
     }
 
     /// Radiance from a direction of the world, and its density in sr⁻¹.
     #[inline(always)]
     pub fn look_up(&self, map: &EnvironmentMap, d: Vec3A) -> (Rgb, f32) {
         let (uv, sin) = map.uv(d);
-        let (w, h) = (self.columns[0].guide.len(), self.columns.len());
+        let [w, h] = self.size;
         let x = ((uv.x * w as f32) as usize).min(w - 1);
         let y = ((uv.y * h as f32) as usize).min(h - 1);
         (map.radiance_at(uv), self.density(x, y, sin))
