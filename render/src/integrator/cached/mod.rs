@@ -3,7 +3,6 @@
 mod budget;
 mod build;
 mod caches;
-mod direct;
 pub mod file;
 mod incident;
 mod irradiance;
