@@ -10,7 +10,7 @@ pub use adapt::{Shrink, WEBER_FRACTION, disagreeing};
 pub use fill::{Filler, Grid, Progress};
 use glam::Vec3A;
 pub use octree::Octree;
-pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours};
+pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours, insert_clamped};
 
 /// Records and where they are.
 #[derive(Clone, Debug)]

@@ -7,8 +7,7 @@ mod split;
 mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
-use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Rgb, Scene, Texture};
-use crate::world::Opacity;
+use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Opacity, Rgb, Scene, Texture};
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 use environment::MapSampler;

@@ -13,7 +13,6 @@ use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
-pub(crate) use masks::Opacity;
 pub use queries::{Counts, Queries};
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -10,7 +10,7 @@ use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use super::site::Site;
 use super::views::RIM_VIEWS;
-use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, clamp_to_neighbours, disagreeing};
+use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, disagreeing, insert_clamped};
 use crate::camera::RayGenerator;
 use crate::record::irradiance::IrradianceRecord;
 use crate::record::{Receiver, Record};
@@ -219,11 +219,4 @@ fn is_covered<R: Record>(cache: &Cache<R>, p: &Point, weight: Weight) -> bool {
     });
     // Ward's weight is 1 where the zone ends.
     best > if weight == Weight::Ward { 0.0 } else { COVERED }
-}
-
-/// Adds a record whose radius its neighbours may bound.
-pub(super) fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {
-    let radius = clamp_to_neighbours(cache, record.position(), record.radius(), smallest);
-    record.set_radius(radius);
-    cache.insert(record);
 }

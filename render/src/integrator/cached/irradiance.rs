@@ -1,11 +1,11 @@
 //! Irradiance records in a picture: on diffuse surfaces, and coarse ones on all, which end the paths of the gathers.
 
-use super::build::{Builder, insert_clamped};
+use super::build::Builder;
 use super::incident::IncidentTracer;
 use super::points::Point;
 use super::policy::Treatment;
 use super::site::Site;
-use crate::cache::{Cache, RadiusPolicy, Weight};
+use crate::cache::{Cache, RadiusPolicy, Weight, insert_clamped};
 use crate::color::luminance;
 use crate::frame::Frame;
 use crate::record::Record;

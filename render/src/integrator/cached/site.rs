@@ -70,13 +70,8 @@ impl<'a> Site<'a> {
     /// The hemisphere divided for the views that will read a record, with the rays of each cell.
     pub fn guided_cells(&self, frame: &Frame, views: &[View], lobe_width: f32) -> Vec<(Cell, u32)> {
         let quality = self.quality();
-        let cells = Guide::new(frame, views, lobe_width, quality.fineness).cells(quality.max_cells);
-        let smallest = cells.iter().map(Cell::solid_angle).fold(f32::INFINITY, f32::min);
-        let per_cell = |c: &Cell| {
-            let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
-            (quality.rays_per_cell as f32 * larger).round() as u32
-        };
-        cells.into_iter().map(|c| (c, per_cell(&c))).collect()
+        let guide = Guide::new(frame, views, lobe_width, quality.fineness);
+        guide.cells_with_rays(quality.max_cells, quality.rays_per_cell)
     }
 }
 

@@ -5,7 +5,8 @@
 
 use super::super::Rgb;
 use super::bitmap::Taps;
-use crate::image::{Raster, Samples, from_srgb, half};
+use crate::color::from_srgb;
+use crate::image::{Raster, Samples, half};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 

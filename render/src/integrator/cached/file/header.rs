@@ -4,7 +4,7 @@ use super::super::Settings;
 use super::super::kind::{EachKind, Listed};
 use super::super::kinds::{self, COUNT};
 use super::super::policy::Policy;
-use super::CacheFileError;
+use super::error::CacheFileError;
 use crate::cache::Spacing;
 use crate::record::eas::Estimator;
 use crate::scene::checksum::{Checksums, Hash};
