@@ -4,7 +4,6 @@ use super::build::Builder;
 use super::incident::IncidentTracer;
 use super::points::Point;
 use super::policy::Treatment;
-use super::site::Site;
 use crate::cache::{Cache, RadiusPolicy, Weight, insert_clamped};
 use crate::color::luminance;
 use crate::frame::Frame;
@@ -86,7 +85,7 @@ impl Builder<'_> {
         let make = |_: &Cache<IrradianceRecord>, pixel: usize| {
             let point = self.points[pixel].as_ref()?;
             let frame = Frame::from_normal(point.hemisphere_normal());
-            let mut gather = Site { builder: self, tracer, point, pixel }.gather(wanted.salt);
+            let mut gather = self.site(tracer, point, pixel).gather(wanted.salt);
             let found = gather.irradiance(&frame, Strata::about(wanted.rays));
             let mut record = found.record;
             record.set_radius(self.irradiance_radius(&found, wanted.radius, point.footprint));

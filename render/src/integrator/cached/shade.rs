@@ -4,8 +4,8 @@
 use super::caches::Caches;
 use super::incident::{IncidentTracer, sample_light};
 use super::irradiance::interpolated;
-use super::kind::{Found, Listed, Shaded, WithKind};
-use super::kinds::Scratches;
+use super::kind::{Found, Shaded};
+use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, see};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;

@@ -1,8 +1,7 @@
 //! What a cache file was made for.
 
 use super::super::Settings;
-use super::super::kind::{EachKind, Listed};
-use super::super::kinds::{self, COUNT};
+use super::super::kinds::{self, COUNT, EachKind, Listed};
 use super::super::policy::Policy;
 use super::error::CacheFileError;
 use crate::cache::Spacing;
