@@ -4,7 +4,7 @@
 //! The renderer says what a pixel shows (a [`Spot`]) and what light comes along a ray ([`Incident`]); the cache puts records where
 //! the picture needs them and tells the light that a spot reflects. `examples/cache_library.rs` is the whole of it.
 
-use crate::cache::{Cache, Filler, Grid, RadiusPolicy, Spacing, insert_clamped};
+use crate::cache::{Cache, FOUND, Filler, Grid, RadiusPolicy, Spacing, insert_clamped};
 use crate::color::{luminance, mean_radiance};
 use crate::frame::Frame;
 use crate::hemisphere::{Guide, Incident, View, gather_cells, nearest, view_directions};
@@ -148,7 +148,7 @@ impl GlossyCache {
             sum.trust += w * part.trust;
             weights += w;
         });
-        (at.wo.z > 0.0 && weights > 1e-3).then(|| Light {
+        (at.wo.z > 0.0 && weights > FOUND).then(|| Light {
             radiance: spot.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights)
                 + sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
             trust: sum.trust / weights,

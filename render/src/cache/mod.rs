@@ -12,6 +12,9 @@ use glam::Vec3A;
 pub use octree::Octree;
 pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours, insert_clamped};
 
+/// Sum of weights from which on records count as found.
+pub const FOUND: f32 = 1e-3;
+
 /// Records and where they are.
 #[derive(Clone, Debug)]
 pub struct Cache<R> {

@@ -251,7 +251,7 @@ impl Lights {
     pub fn emitted(&self, textures: &[Texture], emitter: u32, at: &Coordinates) -> Rgb {
         match &self.local[emitter as usize] {
             Local::Surface(surface) => surface.radiance.eval(textures, at),
-            _ => Rgb::ZERO,
+            Local::Point { .. } | Local::Spot { .. } => Rgb::ZERO,
         }
     }
 

@@ -16,21 +16,20 @@ impl Opacity {
     /// `None` for a material without holes.
     pub fn of(scene: &Scene, material: MaterialId) -> Option<Self> {
         let (mut factors, mut front_alone) = (Vec::new(), false);
-        let mut id = material;
-        loop {
-            id = match &scene.materials[id.0 as usize] {
+        let mut next = Some(material);
+        while let Some(id) = next {
+            next = match &scene.materials[id.0 as usize] {
                 Material::Mask { opacity, inner } => {
                     factors.push(*opacity);
-                    *inner
+                    Some(*inner)
                 }
                 Material::FrontAlone { inner } => {
                     front_alone = true;
-                    *inner
+                    Some(*inner)
                 }
-                Material::TwoSided { front: inner, .. }
-                | Material::NormalMap { inner, .. }
-                | Material::BumpMap { inner, .. } => *inner,
-                _ => break,
+                // Of two that are mixed or laid on each other, neither has holes.
+                Material::Blend { .. } | Material::Coat { .. } => None,
+                other => other.children().next(),
             };
         }
         (front_alone || !factors.is_empty()).then(|| Self { factors: factors.into(), front_alone })

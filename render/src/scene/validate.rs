@@ -48,7 +48,19 @@ impl Material {
             | Self::FrontAlone { inner }
             | Self::NormalMap { inner, .. }
             | Self::BumpMap { inner, .. } => [Some(inner), None],
-            _ => [None, None],
+            Self::Diffuse { .. }
+            | Self::Phong { .. }
+            | Self::Ward { .. }
+            | Self::Lobe { .. }
+            | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::RoughDielectric { .. }
+            | Self::Glass { .. }
+            | Self::Plastic { .. }
+            | Self::RoughPlastic { .. }
+            | Self::MetallicRoughness { .. } => [None, None],
         };
         pair.into_iter().flatten()
     }
@@ -100,7 +112,17 @@ impl Material {
             Self::MetallicRoughness { metallic, roughness, specular, .. } => {
                 [metallic, roughness, specular].into_iter().for_each(float);
             }
-            _ => {}
+            Self::Diffuse { .. }
+            | Self::Lobe { .. }
+            | Self::Conductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Plastic { .. }
+            | Self::RoughPlastic { .. }
+            | Self::TwoSided { .. }
+            | Self::FrontAlone { .. }
+            | Self::NormalMap { .. }
+            | Self::BumpMap { .. } => {}
         }
         found.into_iter()
     }

@@ -1,6 +1,6 @@
 //! Radiance that arrives at a record: a path whose Lambertian surfaces are answered by the irradiance cache.
 
-use super::irradiance::interpolated;
+use super::diffuse::interpolated;
 use crate::bsdf::{Bsdf, Split};
 use crate::cache::Cache;
 use crate::color::mean_radiance;

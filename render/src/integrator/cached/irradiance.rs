@@ -9,8 +9,6 @@ use crate::color::luminance;
 use crate::frame::Frame;
 use crate::record::Record;
 use crate::record::irradiance::{Gathered, IrradianceRecord, Strata};
-use crate::scene::Rgb;
-use glam::Vec3A;
 use std::time::Instant;
 
 /// Tells the sample points of records from those of other kinds.
@@ -112,16 +110,4 @@ impl Builder<'_> {
         let limit = found.record.gradient_limit().max(LEAST_CHANGE * found.harmonic_mean);
         policy.radius(found.harmonic_mean.min(CHANGES * limit), footprint)
     }
-}
-
-/// Irradiance about `normal`, which a texture may have bent, from the records of the hemisphere about another; `None` where none
-/// reaches.
-#[inline]
-pub fn interpolated(cache: &Cache<IrradianceRecord>, position: Vec3A, hemisphere: Vec3A, normal: Vec3A) -> Option<Rgb> {
-    let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
-    cache.interpolate(position, hemisphere, Weight::Smooth, |record, w| {
-        sum += record.at(position, normal) * w;
-        weights += w;
-    });
-    (weights > super::kind::FOUND).then(|| sum / weights)
 }

@@ -147,9 +147,6 @@ impl Found {
     pub const NOTHING: Self = Self { light: None, traced: 1.0, doubt: 0.0 };
 }
 
-/// Sum of weights from which on records count as found.
-pub const FOUND: f32 = 1e-3;
-
 /// Records of a kind in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KindFigures {

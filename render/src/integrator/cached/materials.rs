@@ -11,7 +11,24 @@ pub(super) fn is_diffuse(material: &Material) -> bool {
     match material {
         Material::Diffuse { .. } => true,
         Material::MetallicRoughness { metallic, specular, .. } => zero(metallic) && zero(specular),
-        _ => false,
+        Material::Phong { .. }
+        | Material::Ward { .. }
+        | Material::Lobe { .. }
+        | Material::Conductor { .. }
+        | Material::RoughConductor { .. }
+        | Material::Dielectric { .. }
+        | Material::ThinDielectric { .. }
+        | Material::RoughDielectric { .. }
+        | Material::Glass { .. }
+        | Material::Plastic { .. }
+        | Material::RoughPlastic { .. }
+        | Material::TwoSided { .. }
+        | Material::Mask { .. }
+        | Material::FrontAlone { .. }
+        | Material::NormalMap { .. }
+        | Material::BumpMap { .. }
+        | Material::Blend { .. }
+        | Material::Coat { .. } => false,
     }
 }
 
@@ -35,17 +52,26 @@ pub(super) fn reason(material: &Material, allowed: Allowed) -> &'static str {
         Material::Ward { alpha_u, alpha_v, .. } if varies(alpha_u) || varies(alpha_v) => ROUGHNESS,
         Material::RoughConductor { alpha_u, alpha_v, .. } if varies(alpha_u) || varies(alpha_v) => ROUGHNESS,
         Material::RoughConductor { eta, k, .. } if colored(eta) || colored(k) => INDEX,
-        _ => NO_TABLE,
+        Material::Diffuse { .. }
+        | Material::Phong { .. }
+        | Material::Ward { .. }
+        | Material::Lobe { .. }
+        | Material::RoughConductor { .. }
+        | Material::RoughPlastic { .. }
+        | Material::TwoSided { .. }
+        | Material::Mask { .. }
+        | Material::FrontAlone { .. }
+        | Material::NormalMap { .. }
+        | Material::BumpMap { .. }
+        | Material::Blend { .. }
+        | Material::Coat { .. } => NO_TABLE,
     }
 }
 
 /// The specular part of a material at unit strength, where it is the same everywhere. Of one with Schlick's reflectance, that of
 /// a plastic stands for any: [`Reflector::of`](crate::record::Reflector::of) replaces it.
 pub fn specular(material: &Material) -> Option<Specular> {
-    let constant = |t: &FloatTexture| match t {
-        FloatTexture::Constant(x) => Some(written(*x)),
-        _ => None,
-    };
+    let constant = |t: &FloatTexture| if let FloatTexture::Constant(x) = t { Some(written(*x)) } else { None };
     let facets = |d: &Distribution| match d {
         Distribution::Beckmann => brdf::Distribution::Beckmann,
         Distribution::Ggx => brdf::Distribution::Ggx,
@@ -83,7 +109,21 @@ pub fn specular(material: &Material) -> Option<Specular> {
             let fresnel = Fresnel::Schlick { f0: [0.04; 3] };
             Some(Specular::Microfacet(Microfacet { distribution, alpha_x: alpha, alpha_y: alpha, fresnel }))
         }
-        _ => None,
+        // Perfectly specular, transmitting, or made of others.
+        Material::Diffuse { .. }
+        | Material::Conductor { .. }
+        | Material::Dielectric { .. }
+        | Material::ThinDielectric { .. }
+        | Material::RoughDielectric { .. }
+        | Material::Glass { .. }
+        | Material::Plastic { .. }
+        | Material::TwoSided { .. }
+        | Material::Mask { .. }
+        | Material::FrontAlone { .. }
+        | Material::NormalMap { .. }
+        | Material::BumpMap { .. }
+        | Material::Blend { .. }
+        | Material::Coat { .. } => None,
     }
     .filter(|s| Recipe::specular(*s).validate().is_ok())
 }

@@ -3,6 +3,7 @@
 mod budget;
 mod build;
 mod caches;
+mod diffuse;
 pub mod file;
 mod incident;
 mod irradiance;

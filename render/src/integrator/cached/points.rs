@@ -123,6 +123,6 @@ pub fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), s
     let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
     match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut Queries::default(), |_, _, _| ()) {
         Seen::Surface { point, .. } => Some(point),
-        _ => None,
+        Seen::Nothing { .. } | Seen::Ended => None,
     }
 }

@@ -2,8 +2,8 @@
 //! once per surface that the pixel shows.
 
 use super::caches::Caches;
+use super::diffuse::interpolated;
 use super::incident::{IncidentTracer, sample_light};
-use super::irradiance::interpolated;
 use super::kind::{Found, Shaded};
 use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, see};

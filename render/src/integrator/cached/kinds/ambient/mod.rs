@@ -4,10 +4,10 @@
 mod tests;
 
 use crate::bsdf::{Parts, Split};
-use crate::cache::Cache;
+use crate::cache::{Cache, FOUND};
 use crate::hemisphere::nearest;
 use crate::integrator::cached::file::{CacheFileError, Reader, write_numbers, write_words};
-use crate::integrator::cached::kind::{Asked, FOUND, Found, GlossyKind, KindFigures, Shaded};
+use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::integrator::cached::site::Site;
 use crate::record::{Receiver, Record, Zone};
