@@ -2,7 +2,7 @@
 
 use super::model::ALPHA;
 use super::{Brdf, Exception, Footprint, Formula, FormulaVisitor, Fresnel, GrayPolynomial, Key, Kind};
-use super::{Model, Outgoing, Presence, Profile, Specular, Value, Values, half_vector};
+use super::{Model, Outgoing, Presence, Profile, Specular, Value, Values, half_vector, half_vector_width};
 use crate::material::MaterialError;
 use crate::real::{Constant, Real};
 use core::f64::consts::{LOG2_E, PI};
@@ -140,7 +140,7 @@ impl Profile for Ward {
     }
 
     fn lobe_width(&self) -> f64 {
-        (2.0 * self.alpha_x * self.alpha_y).sqrt()
+        half_vector_width(self.alpha_x, self.alpha_y)
     }
 
     fn narrowing(&self, wo: DVec3) -> f64 {
