@@ -9,8 +9,8 @@ pub mod view;
 #[cfg(feature = "formats")]
 mod write;
 
-pub use crate::color::{from_srgb, to_srgb};
 use crate::picture::Picture;
+
 pub use raster::{Channels, Raster, Samples, half};
 #[cfg(feature = "formats")]
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
@@ -18,6 +18,8 @@ pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
 pub use screen::{Format, write_png};
 #[cfg(feature = "formats")]
 pub use write::{Look, write_picture, write_whole};
+
+pub use crate::color::{from_srgb, to_srgb};
 
 /// Linear RGB, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,15 +3,15 @@
 //! check on this.
 
 use crate::bsdf::{Bsdf, Value};
-use crate::light::{LightSample, Lights, Receiver, Target, power_heuristic};
+use crate::light::{LightSample, LightSampleContext, Lights, Target, power_heuristic};
 use crate::scene::Rgb;
 use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
 
 /// The surface as the lights see it.
 #[inline(always)]
-pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> Receiver {
-    Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() }
+pub fn receiver(at: &Interaction, bsdf: &Bsdf) -> LightSampleContext {
+    LightSampleContext { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() }
 }
 
 /// A sampled emitter and what a surface makes of its light, whether or not it is in sight.
@@ -33,7 +33,7 @@ impl Emitter {
         world: &World,
         lights: &Lights,
         bsdf: &Bsdf,
-        receiver: &Receiver,
+        receiver: &LightSampleContext,
         choice: f32,
         u: Vec2,
     ) -> Option<Self> {
@@ -68,7 +68,7 @@ impl Emitter {
 #[derive(Clone, Copy, Debug)]
 pub struct Left {
     /// The surface.
-    pub receiver: Receiver,
+    pub receiver: LightSampleContext,
     /// Density of the direction in sr⁻¹.
     pub pdf: f32,
 }

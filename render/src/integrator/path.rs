@@ -4,7 +4,7 @@ use super::direct::{Emitter, Left, emission, environment, receiver};
 use super::media::Media;
 use super::{Integrator, Radiance};
 use crate::bsdf::{Bsdf, Split};
-use crate::light::Receiver;
+use crate::light::LightSampleContext;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
@@ -139,7 +139,7 @@ fn sample_lights(
     world: &World,
     at: &Interaction,
     bsdf: &Bsdf,
-    receiver: &Receiver,
+    receiver: &LightSampleContext,
     segments: u32,
     choice: f32,
     u: Vec2,
