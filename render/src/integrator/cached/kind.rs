@@ -100,7 +100,7 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// Bytes that are no record.
     fn read(reader: &mut Reader) -> Result<Self::Record, CacheFileError>;
 
-    /// Of what the size of a record is counted in.
+    /// The size of a record, in what it is made of: sources, bands.
     fn elements(record: &Self::Record) -> usize;
 
     /// Number and size of records in words.
@@ -159,7 +159,7 @@ pub struct KindFigures {
 }
 
 impl KindFigures {
-    /// Of the records of a cache.
+    /// Number and size of the records of a cache.
     pub fn new<K: GlossyKind>(cache: &Cache<K::Record>) -> Self {
         let records = cache.records();
         Self { records: records.len(), elements: records.iter().map(K::elements).sum(), bytes: cache.bytes() }

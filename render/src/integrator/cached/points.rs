@@ -101,7 +101,7 @@ pub struct PixelCone {
 }
 
 impl PixelCone {
-    /// Of the camera of a world.
+    /// That of the camera of a world.
     pub fn new(world: &World) -> Self {
         let camera = &world.scene.camera;
         let of_film = 2.0 / camera.film.width.max(1) as f32;

@@ -90,7 +90,7 @@ enum LookUp {
 }
 
 impl LookUp {
-    /// Of samples that stand for `value` each.
+    /// The colour of a texel whose samples stand for `value` each.
     #[inline(always)]
     fn of<T: Copy>(self, pixel: &[T], value: impl Fn(T) -> f32) -> Rgb {
         let at = |channel: usize| value(pixel[channel]);

@@ -29,7 +29,7 @@ pub(super) struct Header {
     indirect_only: bool,
     pub(super) coarse: u64,
     pub(super) irradiance: u64,
-    /// Of each kind, in the order of the list.
+    /// Number of records of each kind, in the order of the list.
     pub(super) glossy: [u64; COUNT],
 }
 
