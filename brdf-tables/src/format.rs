@@ -60,7 +60,7 @@ pub enum FormatError {
     Checksum {
         /// In the file.
         expected: u32,
-        /// Of its bytes.
+        /// That of the bytes as they are.
         found: u32,
     },
     /// A value in the header cannot be.

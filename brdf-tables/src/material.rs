@@ -42,7 +42,7 @@ pub fn keys(model: &str) -> Result<Vec<Key>, MaterialError> {
     }
     Model::find(model)
         .map(|m| [m.keys, &COMMON_KEYS].concat())
-        .ok_or_else(|| MaterialError::Model { name: model.into() })
+        .ok_or_else(|| MaterialError::Model { name: model.into(), known: model_names() })
 }
 
 /// Names of all models that a recipe can have.

@@ -19,7 +19,7 @@ pub enum PartsError {
     /// Rows, columns, nodes or lobes out of range.
     #[error("{what} out of range")]
     Size {
-        /// Of what.
+        /// What is out of range.
         what: &'static str,
     },
     /// A number that cannot stand there.

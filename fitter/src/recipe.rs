@@ -184,7 +184,7 @@ fn parse(text: &str, place: &dyn Fn(Option<usize>) -> Place) -> Result<Material,
         refuse(Some("model"), MaterialError::Kind { key: "model", expected: "a string".into() }, models)
     })?;
     let keys = keys(model).map_err(|error| match error {
-        MaterialError::Model { name } => MaterialError::Model { name: shortened(&name) },
+        MaterialError::Model { name, known } => MaterialError::Model { name: shortened(&name), known },
         error => error,
     });
     let keys = keys.map_err(|e| refuse(Some("model"), e, models))?;

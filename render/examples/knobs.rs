@@ -1,4 +1,5 @@
-//! What each of the numbers behind τ costs and buys: time, records and error where it is made smaller and larger.
+//! What each of the numbers behind τ costs and buys: rays, time, records, memory and error where it is made smaller and larger.
+//! Rays, records and errors are the same on any machine.
 //! `cargo run --release -p render --example knobs -- [SCENE [WIDTH [TAU]]]`
 
 use render::cache::Spacing;
@@ -69,22 +70,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     let integrator = PathTracer { settings: world.scene.integrator, indirect_only: true };
     let reference = render(&world, &integrator, Budget::Samples(REFERENCE_SPP), 7, &|_| ()).image();
     println!(
-        "{:22} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}",
-        "number", "value", "fill s", "shade s", "records", "rel_mse", "bias %"
+        "{:22} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}",
+        "number", "value", "Mrays", "fill s", "shade s", "records", "KB", "rel_mse", "bias %"
     );
     for (name, knob) in KNOBS {
         for factor in FACTORS {
             let mut knobs = Knobs::default();
             *knob(&mut knobs) *= factor;
-            let (picture, figures, _) = render_with(&world, &policy, &settings, &knobs, None, &|_| ());
+            let (picture, figures, caches) = render_with(&world, &policy, &settings, &knobs, None, &|_| ());
             let error = compare(&picture.image(), &reference)?;
             let mark = if factor == 1.0 { "  as it is" } else { "" };
             println!(
-                "{name:22} {:8.3} {:8.2} {:8.2} {:8} {:10.6} {:8.2}{mark}",
+                "{name:22} {:8.3} {:8.3} {:8.2} {:8.2} {:8} {:8} {:10.6} {:8.2}{mark}",
                 *knob(&mut knobs),
+                1e-6 * caches.counts.rays as f64,
                 figures.fill.as_secs_f64(),
                 figures.shade.as_secs_f64(),
                 figures.records(),
+                figures.bytes / 1000,
                 error.rel_mse,
                 100.0 * error.bias
             );

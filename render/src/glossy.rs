@@ -4,13 +4,13 @@
 //! The renderer says what a pixel shows (a [`Spot`]) and what light comes along a ray ([`Incident`]); the cache puts records where
 //! the picture needs them and tells the light that a spot reflects. `examples/cache_library.rs` is the whole of it.
 
-use crate::cache::{Cache, Filler, Grid, RadiusPolicy, Spacing, clamp_to_neighbours};
+use crate::cache::{Cache, FOUND, Filler, Grid, RadiusPolicy, Spacing, insert_clamped};
 use crate::color::{luminance, mean_radiance};
 use crate::frame::Frame;
-use crate::hemisphere::{Cell, Guide, Incident, View, gather_cells};
+use crate::hemisphere::{Guide, Incident, View, gather_cells, nearest, view_directions};
 use crate::integrator::cached::Quality;
 use crate::record::eas::{EasRecord, Estimator};
-use crate::record::{Albedo, Centroid, Hessian, Receiver, Record, Reflected, Reflector, Scratch, Tree, cut, reflect};
+use crate::record::{Albedo, Receiver, Record, Reflected, Reflector, Scratch, Tree, cut, reflect};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use brdf_tables::table::Table;
@@ -75,8 +75,6 @@ struct Lobe {
 
 /// Weight that counts as covered.
 const COVERED: f32 = 0.2;
-/// Step of the differences that tell how the light bends, over the radius by distance.
-const STEP: f32 = 0.25;
 /// Pixels about a spot whose views a record is made for, in halves of its reach.
 const NEIGHBOURS: [(i32, i32); 8] = [(-2, 0), (2, 0), (0, -2), (0, 2), (-1, -1), (1, -1), (-1, 1), (1, 1)];
 
@@ -133,12 +131,8 @@ impl GlossyCache {
             };
             Some((self.record(s, &views, place, incident), self.quality.glossy.min_pixels * s.footprint))
         };
-        let insert = |records: &mut Cache<EasRecord>, (mut record, smallest): (EasRecord, f32)| {
-            record.set_radius(clamp_to_neighbours(records, record.position(), record.radius(), smallest));
-            records.insert(record);
-        };
         let filler = Filler { grid, deadline: None, progress: &|_| () };
-        filler.fill(&mut records, |_, _| Vec::new(), covered, make, insert);
+        filler.fill(&mut records, |_, _| Vec::new(), covered, make, insert_clamped);
         self.records = records;
     }
 
@@ -154,7 +148,7 @@ impl GlossyCache {
             sum.trust += w * part.trust;
             weights += w;
         });
-        (at.wo.z > 0.0 && weights > 1e-3).then(|| Light {
+        (at.wo.z > 0.0 && weights > FOUND).then(|| Light {
             radiance: spot.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights)
                 + sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
             trust: sum.trust / weights,
@@ -204,30 +198,21 @@ impl GlossyCache {
         incident: impl FnMut(Vec3A, u32) -> Incident,
     ) -> EasRecord {
         let (lobe, quality, frame) = (&self.lobes[spot.material], &self.quality, &spot.frame);
-        let cells = Guide::new(frame, views, lobe.width, quality.fineness).cells(quality.max_cells);
-        let smallest = cells.iter().map(Cell::solid_angle).fold(f32::INFINITY, f32::min);
-        let rays = |c: &Cell| {
-            let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
-            (quality.rays_per_cell as f32 * larger).round() as u32
-        };
-        let cells: Vec<(Cell, u32)> = cells.into_iter().map(|c| (c, rays(&c))).collect();
-        let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
+        let guide = Guide::new(frame, views, lobe.width, quality.fineness);
+        let cells = guide.cells_with_rays(quality.max_cells, quality.rays_per_cell);
         let mut samples = gather_cells(frame, &cells, place, incident);
-        let tree = Tree::new(&mut samples, most as usize, Centroid::Direction);
-        let directions: Vec<Vec3A> = views.iter().map(|v| frame.to_local(v.wo)).filter(|d| d.z > 0.02).collect();
-        let cut = cut(&tree, &lobe.reflector(spot), &directions, &quality.cut);
+        let tree = Tree::of_cells(&mut samples, &cells);
+        let cut = cut(&tree, &lobe.reflector(spot), &view_directions(frame, views), &quality.cut);
         let mut record = EasRecord::new(spot.position, frame, spot.material as u32, &tree, &cut, Estimator::Improved);
         // As far as what is near and the bending of the reflected light allow.
-        let nearest = 1.0 / samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
-        let radius = quality.glossy.radius(nearest, spot.footprint);
         let mut scratch = Scratch::default();
-        let mut reflected = |x: f32, y: f32| {
+        let reflected = |x: f32, y: f32| {
             let position = spot.position + frame.to_world(Vec3A::new(x, y, 0.0));
             let part = lobe.reflected(&record, spot, &receiver(spot, position), &mut scratch);
             luminance(spot.diffuse * mean_radiance(part.irradiance) + part.specular)
         };
-        let bend = Hessian::of(STEP * radius, &mut reflected).radius(reflected(0.0, 0.0), quality.curvature);
-        record.set_radius(quality.glossy.bounded(bend.min(nearest), spot.footprint));
+        let radius = quality.glossy.by_bending(nearest(&samples), spot.footprint, quality.curvature, reflected);
+        record.set_radius(radius);
         record
     }
 }

@@ -137,7 +137,7 @@ impl Profile for Lafortune {
         1.0
     }
 
-    /// Of the sharpest lobe.
+    /// That of the sharpest lobe: the others are wider.
     fn footprint(&self, view: &Outgoing) -> Footprint {
         let [cx, cy, cz, n] = self.lobes().iter().fold([0.0; 4], |s, l| if l[3] > s[3] { *l } else { s });
         let (c, s) = view.rotation;

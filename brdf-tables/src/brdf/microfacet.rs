@@ -2,7 +2,7 @@
 
 use super::model::ALPHA;
 use super::{Brdf, Footprint, Formula, FormulaVisitor, Fresnel, GrayPolynomial, Key};
-use super::{Model, Outgoing, Presence, Profile, Specular, Value, Values, half_vector};
+use super::{Model, Outgoing, Presence, Profile, Specular, Value, Values, half_vector, half_vector_width};
 use crate::material::MaterialError;
 use crate::real::{Constant, Real};
 use core::f64::consts::{LOG2_E, PI};
@@ -170,16 +170,16 @@ impl<'a, const GGX: bool, R> Facets<'a, GGX, R> {
     /// limit h → 0 where `wi` and `wo` graze from opposite sides.
     #[inline(always)]
     fn d<T: Real>(&self, h: [T; 3]) -> (T, T) {
-        let one = h[0];
+        let like = h[0];
         let [x2, y2, z2] = [h[0].sq(), h[1].sq(), h[2].sq()];
-        let slope2 = x2 * one.constant(self.slope[0]) + y2 * one.constant(self.slope[1]);
+        let slope2 = x2 * like.constant(self.slope[0]) + y2 * like.constant(self.slope[1]);
         let h2 = x2 + y2 + z2;
-        let tiny = one.lit(1e-30);
+        let tiny = like.lit(1e-30);
         let d = if GGX {
             (h2 * (slope2 + z2).max(tiny).recip()).sq()
         } else {
             // e^−t (1/cos²)² with 1/cos² cut where e^−t has long vanished, so that no overflow meets the zero
-            let over_z2 = z2.max(h2 * one.lit(1e-8)).max(tiny).recip();
+            let over_z2 = z2.max(h2 * like.lit(1e-8)).max(tiny).recip();
             (slope2 * over_z2).exp2() * (h2 * over_z2).sq()
         };
         (d, h2)
@@ -188,17 +188,17 @@ impl<'a, const GGX: bool, R> Facets<'a, GGX, R> {
     /// G₁(w)/cosθ.
     #[inline(always)]
     fn g1_over_cos<T: Real>(&self, w: [T; 3]) -> T {
-        let one = w[0];
-        let width2 = w[0].sq() * one.constant(self.width[0]) + w[1].sq() * one.constant(self.width[1]);
+        let like = w[0];
+        let width2 = w[0].sq() * like.constant(self.width[0]) + w[1].sq() * like.constant(self.width[1]);
         if GGX {
-            one.lit(2.0) * (w[2] + (w[2].sq() + width2).max(one.lit(1e-30)).sqrt()).recip()
+            like.lit(2.0) * (w[2] + (w[2].sq() + width2).max(like.lit(1e-30)).sqrt()).recip()
         } else {
             // Walter's rational fit in a = cosθ/(α sinθ); 1 from a = 1.6 on
-            let over_width = width2.max(one.lit(1e-30)).sqrt().recip();
-            let a = (w[2] * over_width).min(one.lit(1.6));
-            let denominator = (a * one.lit(2.577) + one.lit(2.276)) * a + one.lit(1.0);
-            let fit = (a * one.lit(2.181) + one.lit(3.535)) * denominator.recip() * over_width;
-            T::select(a.lt(one.lit(1.6)), fit, w[2].max(one.lit(1e-30)).recip())
+            let over_width = width2.max(like.lit(1e-30)).sqrt().recip();
+            let a = (w[2] * over_width).min(like.lit(1.6));
+            let denominator = (a * like.lit(2.577) + like.lit(2.276)) * a + like.lit(1.0);
+            let fit = (a * like.lit(2.181) + like.lit(3.535)) * denominator.recip() * over_width;
+            T::select(a.lt(like.lit(1.6)), fit, w[2].max(like.lit(1e-30)).recip())
         }
     }
 }
@@ -246,7 +246,7 @@ impl Profile for Microfacet {
     }
 
     fn lobe_width(&self) -> f64 {
-        (2.0 * self.alpha_x * self.alpha_y).sqrt()
+        half_vector_width(self.alpha_x, self.alpha_y)
     }
 
     fn narrowing(&self, wo: DVec3) -> f64 {

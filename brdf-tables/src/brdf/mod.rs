@@ -36,6 +36,12 @@ fn half_vector(wi: DVec3, wo: DVec3) -> Option<(DVec3, f64)> {
     (wi.z > 0.0 && wo.z > 0.0 && length > 0.0).then(|| (sum / length, 0.5 * length))
 }
 
+/// Width of the lobe of a distribution of half vectors with these slopes along x and y, as of [`Specular::lobe_width`]: angles
+/// double on reflection, and e^−(δ/α)² is cos^(2/α²) δ.
+fn half_vector_width(alpha_x: f64, alpha_y: f64) -> f64 {
+    (2.0 * alpha_x * alpha_y).sqrt()
+}
+
 /// Specular reflection model. Directions are unit vectors in the local frame (z = normal) that point away from the
 /// surface; only the upper hemisphere reflects.
 pub trait Brdf {

@@ -84,9 +84,9 @@ pub struct Ring<L> {
 /// The numbers of a rule, which may differ from lane to lane.
 #[derive(Clone, Debug)]
 pub enum Nodes<L> {
-    /// Of [`Rule::Disc`].
+    /// Rings of a [`Rule::Disc`].
     Disc(Vec<Ring<L>>),
-    /// Of [`Rule::Product`].
+    /// Nodes of a [`Rule::Product`].
     Product(Grid<L>),
 }
 

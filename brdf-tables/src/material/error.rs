@@ -1,7 +1,5 @@
 //! What can be wrong with a material.
 
-use super::model_names;
-
 /// Why a material is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -27,10 +25,12 @@ pub enum MaterialError {
         expected: String,
     },
     /// There is no such model.
-    #[error("unknown model {name:?}, expected one of {}", model_names().join(", "))]
+    #[error("unknown model {name:?}, expected one of {}", known.join(", "))]
     Model {
         /// The name given.
         name: String,
+        /// The names there are.
+        known: Vec<&'static str>,
     },
     /// A parameter without default is absent.
     #[error("{key} is missing")]

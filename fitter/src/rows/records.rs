@@ -30,7 +30,7 @@ pub(super) struct Records<R> {
     reader: BufReader<Chain<Cursor<Vec<u8>>, R>>,
     parser: csv_core::Reader,
     bytes: [u8; MAX_RECORD],
-    /// Of the current record.
+    /// Bytes that the current record has so far.
     used: usize,
     ends: [usize; MAX_COLUMNS],
     fields: usize,

@@ -221,17 +221,30 @@ impl Bsdf<'_> {
             Model::RoughMetal(m) => Some(Parts::even(Rgb::ZERO, m.smooth.specular)),
             Model::RoughCoat(m) => Some(Parts::even(m.base_albedo(self.wo), m.specular)),
             Model::MetallicRoughness(m) => Some(m.parts(self.wo)),
-            _ => None,
+            Model::Absorb
+            | Model::Mirror(_)
+            | Model::Dielectric(_)
+            | Model::ThinDielectric(_)
+            | Model::RoughDielectric(_)
+            | Model::Sheet(_)
+            | Model::SmoothCoat(_) => None,
         }
     }
 
     /// Whether light is reflected, never transmitted.
     #[inline]
     pub fn only_reflects(&self) -> bool {
-        !matches!(
-            self.model,
-            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) | Model::Sheet(_)
-        )
+        match self.model {
+            Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_) | Model::Sheet(_) => false,
+            Model::Absorb
+            | Model::Diffuse(_)
+            | Model::Glossy(_)
+            | Model::Mirror(_)
+            | Model::RoughMetal(_)
+            | Model::SmoothCoat(_)
+            | Model::RoughCoat(_)
+            | Model::MetallicRoughness(_) => true,
+        }
     }
 
     /// Whether nothing but perfectly specular parts scatters: sampling lights is of no use.
@@ -240,7 +253,13 @@ impl Bsdf<'_> {
         match &self.model {
             Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_) => true,
             Model::Sheet(m) => m.facets.is_none(),
-            _ => false,
+            Model::Diffuse(_)
+            | Model::Glossy(_)
+            | Model::RoughMetal(_)
+            | Model::RoughDielectric(_)
+            | Model::SmoothCoat(_)
+            | Model::RoughCoat(_)
+            | Model::MetallicRoughness(_) => false,
         }
     }
 
@@ -265,12 +284,8 @@ impl Bsdf<'_> {
         {
             return Value::default();
         }
-        match &self.model {
-            Model::RoughDielectric(m) => return m.value(wo, wi),
-            Model::Sheet(m) => return m.value(wo, wi),
-            _ => {}
-        }
-        if wo.z <= 0.0 || wi.z <= 0.0 {
+        // What transmits has values on both sides.
+        if self.only_reflects() && (wo.z <= 0.0 || wi.z <= 0.0) {
             return Value::default();
         }
         let mut value = match &self.model {
@@ -282,7 +297,9 @@ impl Bsdf<'_> {
             Model::SmoothCoat(m) => m.value(wo, wi),
             Model::RoughCoat(m) => m.value(wo, wi),
             Model::MetallicRoughness(m) => m.value(wo, wi),
-            _ => Value::default(),
+            Model::RoughDielectric(m) => return m.value(wo, wi),
+            Model::Sheet(m) => return m.value(wo, wi),
+            Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_) => Value::default(),
         };
         if let (Some(n), Some(bent)) = (self.unbent, self.diffuse_normal) {
             let cos = bent.dot(wi).max(0.0);
@@ -324,10 +341,7 @@ impl Bsdf<'_> {
             }),
             Scatter::Direction(wi) => {
                 let Value { f, pdf } = self.local_value(wi);
-                let eta = match &self.model {
-                    Model::RoughDielectric(m) => m.eta_along(wo, wi),
-                    _ => 1.0,
-                };
+                let eta = if let Model::RoughDielectric(m) = &self.model { m.eta_along(wo, wi) } else { 1.0 };
                 (pdf > 0.0 && pdf.is_finite()).then(|| Sample {
                     wi: self.frame.to_world(wi),
                     weight: f * (wi.z.abs() / pdf),

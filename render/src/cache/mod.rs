@@ -10,7 +10,10 @@ pub use adapt::{Shrink, WEBER_FRACTION, disagreeing};
 pub use fill::{Filler, Grid, Progress};
 use glam::Vec3A;
 pub use octree::Octree;
-pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours};
+pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours, insert_clamped};
+
+/// Sum of weights from which on records count as found.
+pub const FOUND: f32 = 1e-3;
 
 /// Records and where they are.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! How far a record reaches: every rule about validity is here.
 
 use super::Cache;
-use crate::record::Record;
+use crate::record::{Hessian, Record};
 use glam::Vec3A;
 
 /// What else than distances decides how far records reach.
@@ -25,6 +25,9 @@ impl Default for Spacing {
     }
 }
 
+/// Step of the differences that tell how the light bends, over the radius by distance.
+const STEP: f32 = 0.25;
+
 /// Radius of a record from the distance of what it sees, kept between bounds in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadiusPolicy {
@@ -47,6 +50,27 @@ impl RadiusPolicy {
         let (low, high) = (self.min_pixels * footprint, self.max_pixels * footprint);
         radius.clamp(low, high.max(low)).max(f32::MIN_POSITIVE)
     }
+
+    /// The radius within which second-order terms of the reflected light are this share of it in the mean, and what is met at
+    /// `nearest` is no nearer; `reflected` tells the light at a displacement in the tangent plane.
+    pub fn by_bending(
+        &self,
+        nearest: f32,
+        footprint: f32,
+        curvature: f32,
+        mut reflected: impl FnMut(f32, f32) -> f32,
+    ) -> f32 {
+        let step = STEP * self.radius(nearest, footprint);
+        let bend = Hessian::of(step, &mut reflected).radius(reflected(0.0, 0.0), curvature);
+        self.bounded(bend.min(nearest), footprint)
+    }
+}
+
+/// Adds a record whose radius its neighbours may bound, but not below `smallest`.
+pub fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {
+    let radius = clamp_to_neighbours(cache, record.position(), record.radius(), smallest);
+    record.set_radius(radius);
+    cache.insert(record);
 }
 
 /// Neighbour clamping (Křivánek et al. 2006).

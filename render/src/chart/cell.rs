@@ -25,7 +25,7 @@ pub struct Policies<'a> {
 }
 
 impl<'a> Policies<'a> {
-    /// Of no scene yet.
+    /// None yet.
     pub fn new(tables: &'a mut Tables) -> Self {
         Self { tables, known: Vec::new() }
     }

@@ -1,11 +1,14 @@
-//! The methods a chart knows. A new one is a line of [`METHODS`].
+//! The methods a chart knows. A new kind of record is one by itself; others are a line of [`NAMED`].
 
 use super::setting::Setting;
+use core::convert::Infallible;
 use render::cache::{Spacing, WEBER_FRACTION};
 use render::integrator::cached::TOLERANCE;
+use render::integrator::cached::kinds::{self, EachKind, Eas, Listed};
 use render::integrator::cached::policy::Allowed;
 use render::record::eas::Estimator;
-use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, OrderChoice};
+use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
+use std::sync::LazyLock;
 
 /// What renders.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +17,15 @@ pub enum Engine {
     Traced,
     /// Caches: what they may hold at a setting, how sources are summed, how far records reach.
     Cached(fn(Setting) -> Allowed, Estimator, Spacing),
+}
+
+/// What the size of a glossy record is counted in, where a sweep may choose it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// Bands of harmonics.
+    Order,
+    /// EAS.
+    Sources,
 }
 
 /// A way to render, with all but its settings.
@@ -25,86 +37,110 @@ pub struct Method {
     pub about: &'static str,
     /// What renders.
     pub engine: Engine,
+    /// How large its records are is counted in this; `None` for methods without such records, or with fixed ones.
+    pub size: Option<Size>,
     /// Whether it is this project's own.
     pub ours: bool,
     /// Whether a sweep runs it unasked.
     pub swept: bool,
 }
 
-/// All methods, in the order in which they are run and drawn.
-pub const METHODS: &[Method] = &[
-    Method { name: "path", about: "path tracing", engine: Engine::Traced, ours: false, swept: true },
+/// All methods, in the order in which they are run and drawn: those below, and every kind of record that has none of its name.
+pub static METHODS: LazyLock<Vec<Method>> = LazyLock::new(|| {
+    let mut methods = NAMED.to_vec();
+    let Ok(()) = kinds::each(&mut Rest(&mut methods));
+    methods
+});
+
+/// Adds kinds that have no method of their name.
+struct Rest<'a>(&'a mut Vec<Method>);
+
+impl EachKind for Rest<'_> {
+    type Error = Infallible;
+
+    fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        if self.0.iter().all(|m| m.name != K::NAME) {
+            self.0.push(Method::new(K::NAME, K::ABOUT, Engine::Cached(alone::<K>, Estimator::Improved, CURVATURE)));
+        }
+        Ok(())
+    }
+}
+
+/// A kind with its own defaults.
+fn alone<K: Listed>(setting: Setting) -> Allowed {
+    K::alone(setting.tau().unwrap_or(TOLERANCE))
+}
+
+const NAMED: &[Method] = &[
+    Method { swept: true, ..Method::new("path", "path tracing", Engine::Traced) },
     Method {
-        name: "irradiance",
-        about: "irradiance records on diffuse surfaces, path tracing of glossy ones",
-        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, CURVATURE),
-        ours: false,
         swept: true,
+        ..Method::new(
+            "irradiance",
+            "irradiance records on diffuse surfaces, path tracing of glossy ones",
+            Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, CURVATURE),
+        )
     },
     Method {
-        name: "sh",
-        about: "harmonics of the order that a view needs, path tracing of views that no order holds",
-        engine: Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, CURVATURE),
-        ours: false,
         swept: true,
+        ..Method::harmonics(
+            "sh",
+            "harmonics of the order that a view needs, path tracing of views that no order holds",
+            CURVATURE,
+        )
     },
+    Method::new(
+        "sh-29",
+        "harmonics of order 29 everywhere, whatever they lose",
+        Engine::Cached(|setting| harmonics(setting, Some(29)), Estimator::Improved, CURVATURE),
+    ),
     Method {
-        name: "sh-29",
-        about: "harmonics of order 29 everywhere, whatever they lose",
-        engine: Engine::Cached(|setting| harmonics(setting, Some(29)), Estimator::Improved, CURVATURE),
-        ours: false,
-        swept: false,
-    },
-    Method {
-        name: "eas-paper",
-        about: "EAS moved and summed as published in 2015",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Paper, Spacing::DISTANCE),
-        ours: false,
         swept: true,
+        ..Method::eas("eas-paper", "EAS moved and summed as published in 2015", Estimator::Paper, Spacing::DISTANCE)
     },
+    Method { ours: true, swept: true, ..Method::eas("eas", "EAS with our estimator", Estimator::Improved, CURVATURE) },
     Method {
-        name: "eas",
-        about: "EAS with our estimator",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, CURVATURE),
         ours: true,
-        swept: true,
+        ..Method::new(
+            "auto",
+            "our EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest",
+            Engine::Cached(|_| Allowed::Auto, Estimator::Improved, CURVATURE),
+        )
     },
+    Method::new(
+        "irradiance-distance",
+        "irradiance, radii by distance",
+        Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, Spacing::DISTANCE),
+    ),
+    Method::harmonics("sh-adaptive", "sh, records that disagree shrink", ADAPTIVE),
     Method {
-        name: "auto",
-        about: "our EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest",
-        engine: Engine::Cached(|_| Allowed::Auto, Estimator::Improved, CURVATURE),
         ours: true,
-        swept: false,
+        ..Method::eas("eas-distance", "eas, radii by distance", Estimator::Improved, Spacing::DISTANCE)
     },
     Method {
-        name: "irradiance-distance",
-        about: "irradiance, radii by distance",
-        engine: Engine::Cached(|_| Allowed::Irradiance, Estimator::Improved, Spacing::DISTANCE),
-        ours: false,
-        swept: false,
-    },
-    Method {
-        name: "sh-adaptive",
-        about: "sh, records that disagree shrink",
-        engine: Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, ADAPTIVE),
-        ours: false,
-        swept: false,
-    },
-    Method {
-        name: "eas-distance",
-        about: "eas, radii by distance",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, Spacing::DISTANCE),
         ours: true,
-        swept: false,
-    },
-    Method {
-        name: "eas-adaptive",
-        about: "eas, records that disagree shrink",
-        engine: Engine::Cached(|_| Allowed::Eas, Estimator::Improved, ADAPTIVE),
-        ours: true,
-        swept: false,
+        ..Method::eas("eas-adaptive", "eas, records that disagree shrink", Estimator::Improved, ADAPTIVE)
     },
 ];
+
+impl Method {
+    /// Neither ours nor run unasked, of no size that a sweep may choose.
+    const fn new(name: &'static str, about: &'static str, engine: Engine) -> Self {
+        Self { name, about, engine, size: None, ours: false, swept: false }
+    }
+
+    /// Harmonics of the order that τ asks for.
+    const fn harmonics(name: &'static str, about: &'static str, spacing: Spacing) -> Self {
+        let engine = Engine::Cached(|setting| harmonics(setting, None), Estimator::Improved, spacing);
+        Self { size: Some(Size::Order), ..Self::new(name, about, engine) }
+    }
+
+    /// EAS on every glossy surface.
+    const fn eas(name: &'static str, about: &'static str, estimator: Estimator, spacing: Spacing) -> Self {
+        let engine = Engine::Cached(alone::<Eas>, estimator, spacing);
+        Self { size: Some(Size::Sources), ..Self::new(name, about, engine) }
+    }
+}
 
 /// Radii by curvature; less where records differ by more than the eye lets pass.
 const CURVATURE: Spacing = Spacing { hessian: true, adaptive: None };
@@ -117,28 +153,22 @@ fn harmonics(setting: Setting, order: Option<usize>) -> Allowed {
     Allowed::Harmonics(HarmonicsSettings::new(Basis::default(), Gradients::default(), tolerance, order))
 }
 
-/// What the size of a glossy record is counted in, where a sweep may choose it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Size {
-    /// Bands of harmonics.
-    Order,
-    /// EAS.
-    Sources,
-}
-
-impl Method {
-    /// How large its records are is counted in this; `None` for methods without such records, or with fixed ones.
-    pub fn size(&self) -> Option<Size> {
-        let Engine::Cached(allowed, ..) = self.engine else { return None };
-        match allowed(Setting::Tau(TOLERANCE)) {
-            Allowed::Harmonics(HarmonicsSettings { order: OrderChoice::Error(_), .. }) => Some(Size::Order),
-            Allowed::Eas => Some(Size::Sources),
-            _ => None,
-        }
-    }
-}
-
 /// The method of a name.
 pub fn find(name: &str) -> Option<&'static Method> {
     METHODS.iter().find(|m| m.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_a_method_and_every_method_a_name() {
+        for kind in kinds::KINDS {
+            assert!(find(kind.name).is_some(), "{}", kind.name);
+        }
+        for (i, method) in METHODS.iter().enumerate() {
+            assert!(METHODS[..i].iter().all(|other| other.name != method.name), "{}", method.name);
+        }
+    }
 }

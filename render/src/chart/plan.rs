@@ -67,7 +67,7 @@ impl Plan {
     pub fn settings(&self, method: &Method) -> Vec<Setting> {
         let off = |tau: f32| (tau / SIZES_TAU).ln().abs();
         let tau = self.taus.iter().copied().min_by(|a, b| off(*a).total_cmp(&off(*b)));
-        let sizes: Vec<Setting> = match method.size() {
+        let sizes: Vec<Setting> = match method.size {
             Some(Size::Order) => tau.iter().flat_map(|t| self.orders.iter().map(|n| Setting::Order(*n, *t))).collect(),
             Some(Size::Sources) => {
                 tau.iter().flat_map(|t| self.sources.iter().map(|n| Setting::Sources(*n, *t))).collect()

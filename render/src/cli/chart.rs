@@ -197,8 +197,8 @@ fn refuse_unused(plan: &Plan, given: Given) -> Result<()> {
     let rules: [(bool, &str, Uses); 4] = [
         (given.taus, "--taus", &cached),
         (given.tables, "--tables", &tabled),
-        (given.orders, "--orders", &|m| m.size() == Some(Size::Order)),
-        (given.sources, "--sources", &|m| m.size() == Some(Size::Sources)),
+        (given.orders, "--orders", &|m| m.size == Some(Size::Order)),
+        (given.sources, "--sources", &|m| m.size == Some(Size::Sources)),
     ];
     for (given, option, uses) in rules {
         if given && !plan.methods.iter().any(|m| uses(m)) {

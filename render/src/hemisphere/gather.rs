@@ -42,6 +42,11 @@ impl GatherSample {
     }
 }
 
+/// Distance of the nearest thing that samples met; infinite where they met nothing.
+pub fn nearest(samples: &[GatherSample]) -> f32 {
+    1.0 / samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max)
+}
+
 /// Samples a partition of the hemisphere about `frame`, `per_cell[i]` directions in cell i with density ∝ cosθ, so that
 /// constant light gives the exact irradiance of every cell. `point` gives the place of a sample in its cell from the
 /// sample's number, `incident` the light from a world direction.

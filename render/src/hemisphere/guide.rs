@@ -56,6 +56,17 @@ impl Guide {
         }
     }
 
+    /// The same with the rays of each cell: so many in the smallest, up to four times as many in larger ones.
+    pub fn cells_with_rays(&self, max_cells: usize, rays: u32) -> Vec<(Cell, u32)> {
+        let cells = self.cells(max_cells);
+        let smallest = cells.iter().map(Cell::solid_angle).fold(f32::INFINITY, f32::min);
+        let per_cell = |c: &Cell| {
+            let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
+            (rays as f32 * larger).round() as u32
+        };
+        cells.into_iter().map(|c| (c, per_cell(&c))).collect()
+    }
+
     fn divide(&self, cell: &Cell, fineness: f32, cells: &mut Vec<Cell>, max_cells: usize) {
         for child in cell.children() {
             if cells.len() > max_cells.max(7) {
@@ -80,6 +91,14 @@ impl Guide {
         let beyond = (nearest.acos() - cell.half_angle()) / self.lobe_width - BRIGHT;
         (fine * (1.0 + GROWTH * beyond.max(0.0))).min(COARSEST)
     }
+}
+
+/// Views lower than this (cosine) see too little of a record to be asked.
+const LOWEST_VIEW: f32 = 0.02;
+
+/// Directions to the eye of the views that a record is cut for, local frame.
+pub fn view_directions(frame: &Frame, views: &[View]) -> Vec<Vec3A> {
+    views.iter().map(|v| frame.to_local(v.wo)).filter(|d| d.z > LOWEST_VIEW).collect()
 }
 
 /// `count` directions over the hemisphere, uniform in solid angle, off the horizon: views for a record that any may read.

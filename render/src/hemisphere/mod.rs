@@ -6,5 +6,5 @@ mod guide;
 
 pub(crate) use cell::MAX_CHILDREN;
 pub use cell::{Cell, cap_half_angle};
-pub use gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform};
-pub use guide::{Guide, View, hemisphere_directions};
+pub use gather::{GatherSample, Incident, gather_cells, gather_cells_uniform, gather_uniform, nearest};
+pub use guide::{Guide, View, hemisphere_directions, view_directions};

@@ -19,6 +19,8 @@ pub use screen::{Format, write_png};
 #[cfg(feature = "formats")]
 pub use write::{Look, write_picture, write_whole};
 
+pub use crate::color::{from_srgb, to_srgb};
+
 /// Linear RGB, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
@@ -74,15 +76,4 @@ pub enum ImageError {
     /// No format that is written.
     #[error("{0}: the name must end in {1}")]
     Extension(String, &'static str),
-}
-
-/// Linear value to the sRGB curve, clamped to [0, 1].
-pub fn to_srgb(x: f32) -> f32 {
-    let x = x.clamp(0.0, 1.0);
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// The inverse of [`to_srgb`].
-pub fn from_srgb(x: f32) -> f32 {
-    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }

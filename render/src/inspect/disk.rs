@@ -17,7 +17,7 @@ pub struct Disk {
 }
 
 impl Disk {
-    /// Of a picture `size` pixels wide and high.
+    /// The disk of a picture `size` pixels wide and high.
     pub fn new(size: u32) -> Self {
         let center = |i: u32| 2.0 * (i as f32 + 0.5) / size as f32 - 1.0;
         let pixels = (0..size * size)

@@ -1,6 +1,7 @@
 //! Estimators of the radiance along a ray.
 
 pub mod cached;
+mod direct;
 mod media;
 mod path;
 mod simple;

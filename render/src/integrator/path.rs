@@ -1,9 +1,10 @@
 //! The path tracer: the truth the caches are judged by, and their rival. The rays that fill them are those of [`super::cached::IncidentTracer`].
 
+use super::direct::{Emitter, Left, emission, environment, receiver};
 use super::media::Media;
 use super::{Integrator, Radiance};
 use crate::bsdf::{Bsdf, Split};
-use crate::light::{Receiver, Target, power_heuristic};
+use crate::light::LightSampleContext;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
@@ -20,14 +21,6 @@ pub struct PathTracer {
     pub indirect_only: bool,
 }
 
-/// Where the path came from, for the weight of an emitter it meets.
-#[derive(Clone, Copy)]
-struct Previous {
-    receiver: Receiver,
-    /// Density of the path's direction in sr⁻¹.
-    pdf: f32,
-}
-
 /// A path under construction.
 struct Path {
     out: Radiance,
@@ -37,7 +30,7 @@ struct Path {
     /// Product of the factors of the index of refraction.
     eta: f32,
     /// `None` from the eye or a perfectly specular surface: emitters count fully.
-    previous: Option<Previous>,
+    left: Option<Left>,
     /// The glasses around it.
     media: Media,
 }
@@ -63,7 +56,7 @@ impl Integrator for PathTracer {
             throughput: Rgb::ONE,
             diffuse_share: Rgb::ZERO,
             eta: 1.0,
-            previous: None,
+            left: None,
             media: Media::NONE,
         };
         let mut ray = ray;
@@ -76,17 +69,15 @@ impl Integrator for PathTracer {
             let counts = !hidden && (segments > 2 || !self.indirect_only);
             if !hit.exists() {
                 if counts && !(segments == 1 && self.settings.hide_environment) {
-                    let light = environment(world, &ray, &path);
-                    path.add(segments, light);
+                    let (light, weight) = environment(&world.lights, ray.direction, path.left.as_ref());
+                    path.add(segments, light * path.throughput * weight);
                 }
                 break;
             }
             let at = world.interaction(&ray, &hit);
-            if let Some(emitter) = at.emitter
-                && counts
-            {
-                let light = emission(world, &at, emitter, &path) * path.media.left(at.distance);
-                path.add(segments, light);
+            if at.emitter.is_some() && counts {
+                let (light, weight) = emission(world, &world.lights, &at, path.left.as_ref());
+                path.add(segments, light * path.throughput * weight * path.media.left(at.distance));
             }
             if segments == self.settings.max_depth {
                 if segments == 1 {
@@ -100,7 +91,7 @@ impl Integrator for PathTracer {
             }
             path.throughput *= path.media.left_before(world, &at, &bsdf);
             // Sample the lights.
-            let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
+            let receiver = receiver(&at, &bsdf);
             let [choice, u_light, u_scattering, u_roulette] = sampler.next_4x2d(&mut queries.scrambles);
             if !bsdf.is_delta() && (segments > 1 || !self.indirect_only) {
                 sample_lights(world, &at, &bsdf, &receiver, segments, choice.x, u_light, &mut path, queries);
@@ -114,7 +105,7 @@ impl Integrator for PathTracer {
             path.throughput *= weight;
             path.eta *= sample.eta;
             path.media.pass(world, &at, &bsdf, sample.wi);
-            path.previous = (!sample.is_delta()).then_some(Previous { receiver, pdf: sample.pdf });
+            path.left = (!sample.is_delta()).then_some(Left { receiver, pdf: sample.pdf });
             // Russian roulette on what the path can still carry.
             let mut survival = path.throughput.max_element();
             if segments >= self.settings.rr_depth {
@@ -141,35 +132,6 @@ fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
     out.distance = hit.t;
 }
 
-/// Light from infinity along a ray that meets nothing.
-#[inline(always)]
-fn environment(world: &World, ray: &Ray, path: &Path) -> Rgb {
-    match &path.previous {
-        Some(p) => {
-            let (light, pdf) = world.lights.environment_with_pdf(&p.receiver, ray.direction);
-            light * path.throughput * power_heuristic(p.pdf, pdf)
-        }
-        None => world.lights.environment(ray.direction) * path.throughput,
-    }
-}
-
-/// Light of an emitter the path meets.
-#[inline(always)]
-fn emission(world: &World, at: &Interaction, emitter: u32, path: &Path) -> Rgb {
-    let cos = at.normal.dot(at.wo);
-    if cos <= 0.0 {
-        return Rgb::ZERO;
-    }
-    let light = world.lights.emitted(&world.scene.textures, emitter, &at.coordinates) * path.throughput;
-    match &path.previous {
-        Some(p) => {
-            let distance = (at.p - p.receiver.p).length();
-            light * power_heuristic(p.pdf, world.lights.pdf(&p.receiver, emitter, distance, cos))
-        }
-        None => light,
-    }
-}
-
 /// Light of one sampled emitter, if it is in sight.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
@@ -177,29 +139,18 @@ fn sample_lights(
     world: &World,
     at: &Interaction,
     bsdf: &Bsdf,
-    receiver: &Receiver,
+    receiver: &LightSampleContext,
     segments: u32,
     choice: f32,
     u: Vec2,
     path: &mut Path,
     queries: &mut Queries,
 ) {
-    let Some(light) = world.lights.sample(&world.scene.textures, receiver, choice, u) else { return };
-    let value = bsdf.eval(light.wi);
-    let mis = if light.delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
-    let reflected = value.f * (light.radiance * path.throughput * (bsdf.abs_cos(light.wi) * mis / light.pdf));
-    if reflected.sum().max_element() <= 0.0 {
-        return;
-    }
-    let shadow = match light.target {
-        Target::Point { p, clearance } => at.spawn_to(p, clearance),
-        Target::Direction(d) => at.spawn(d),
-    };
-    if queries.occluded(world, &shadow) {
-        return;
-    }
-    let length = (shadow.t_max * shadow.direction.length()).min(f32::MAX);
-    let reflected = reflected * path.media.left_beyond(world, at, bsdf, light.wi, length);
+    let Some(emitter) = Emitter::sample(world, &world.lights, bsdf, receiver, choice, u) else { return };
+    let light = &emitter.light;
+    let reflected = emitter.value.f * (light.radiance * path.throughput * emitter.factor(emitter.mis));
+    let Some(distance) = emitter.in_sight(world, at, reflected.sum(), queries) else { return };
+    let reflected = reflected * path.media.left_beyond(world, at, bsdf, light.wi, distance);
     if segments == 1 {
         path.out.direct = path.out.direct + reflected;
     } else {

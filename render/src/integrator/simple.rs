@@ -2,7 +2,7 @@
 
 use super::media::Media;
 use super::{Integrator, Radiance};
-use crate::light::{Receiver, Target};
+use crate::light::{LightSampleContext, Target};
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
@@ -54,7 +54,7 @@ impl Integrator for SimplePathTracer {
             specular = bsdf.is_delta();
             let choice = sampler.next_2d();
             let u = sampler.next_2d();
-            let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
+            let receiver = LightSampleContext { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
             let (index, probability) = ((choice.x * lights.count() as f32) as usize, 1.0 / lights.count() as f32);
             if !specular
                 && !lights.is_empty()

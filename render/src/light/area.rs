@@ -3,8 +3,7 @@
 use super::sphere::SphereLamp;
 use super::tree::LightBounds;
 use super::{LightSample, Target, mean};
-use crate::scene::{AreaEmitter, ColorTexture, Coordinates, Mesh, Sphere, Texture};
-use crate::world::Opacity;
+use crate::scene::{AreaEmitter, ColorTexture, Coordinates, Mesh, Opacity, Sphere, Texture};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3A, Vec4};
 

@@ -7,17 +7,16 @@ mod split;
 mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
-use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Rgb, Scene, Texture};
-use crate::world::Opacity;
+use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Opacity, Rgb, Scene, Texture};
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 use environment::MapSampler;
 use glam::{Vec2, Vec3A};
 use tree::{LightBounds, LightTree};
 
-/// The point that receives light.
+/// The point that receives light, as sampling of lights sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Receiver {
+pub struct LightSampleContext {
     /// Position.
     pub p: Vec3A,
     /// Unit shading normal.
@@ -160,7 +159,13 @@ impl Lights {
 
     /// Samples the light that reaches `receiver`: `u_choice` chooses the light, `u` the place on it.
     #[inline(always)]
-    pub fn sample(&self, textures: &[Texture], receiver: &Receiver, u_choice: f32, u: Vec2) -> Option<LightSample> {
+    pub fn sample(
+        &self,
+        textures: &[Texture],
+        receiver: &LightSampleContext,
+        u_choice: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
         let mut u_choice = u_choice;
         let mut tree_probability = 1.0;
         let infinite = self.infinite_count();
@@ -182,7 +187,7 @@ impl Lights {
     pub fn sample_one(
         &self,
         textures: &[Texture],
-        receiver: &Receiver,
+        receiver: &LightSampleContext,
         index: usize,
         probability: f32,
         u: Vec2,
@@ -197,7 +202,7 @@ impl Lights {
     fn sample_local(
         &self,
         textures: &[Texture],
-        receiver: &Receiver,
+        receiver: &LightSampleContext,
         index: usize,
         probability: f32,
         u: Vec2,
@@ -224,7 +229,7 @@ impl Lights {
     }
 
     #[inline(always)]
-    fn sample_infinite(&self, receiver: &Receiver, index: usize, probability: f32, u: Vec2) -> LightSample {
+    fn sample_infinite(&self, receiver: &LightSampleContext, index: usize, probability: f32, u: Vec2) -> LightSample {
         if let Some(&(direction, irradiance)) = self.directional.get(index) {
             let wi = -direction;
             return LightSample {
@@ -252,14 +257,14 @@ impl Lights {
     pub fn emitted(&self, textures: &[Texture], emitter: u32, at: &Coordinates) -> Rgb {
         match &self.local[emitter as usize] {
             Local::Surface(surface) => surface.radiance.eval(textures, at),
-            _ => Rgb::ZERO,
+            Local::Point { .. } | Local::Spot { .. } => Rgb::ZERO,
         }
     }
 
     /// Density in sr⁻¹ with which [`Lights::sample`] chooses the direction to a point of `emitter` at distance
     /// `distance`, seen under the cosine `cos` from its normal.
     #[inline(always)]
-    pub fn pdf(&self, receiver: &Receiver, emitter: u32, distance: f32, cos: f32) -> f32 {
+    pub fn pdf(&self, receiver: &LightSampleContext, emitter: u32, distance: f32, cos: f32) -> f32 {
         let Local::Surface(surface) = &self.local[emitter as usize] else { return 0.0 };
         let share = if self.infinite_count() > 0 { self.infinite_probability() } else { 1.0 };
         share * self.tree.probability(receiver, emitter) * surface.pdf(receiver.p, distance, cos)
@@ -273,7 +278,7 @@ impl Lights {
 
     /// [`Lights::environment`], and the density in sr⁻¹ with which [`Lights::sample`] chooses the direction `d` to it.
     #[inline(always)]
-    pub fn environment_with_pdf(&self, receiver: &Receiver, d: Vec3A) -> (Rgb, f32) {
+    pub fn environment_with_pdf(&self, receiver: &LightSampleContext, d: Vec3A) -> (Rgb, f32) {
         let (radiance, density) = match &self.environment {
             None => return (Rgb::ZERO, 0.0),
             Some((Environment::Map(map), Some(sampler))) => sampler.look_up(map, d),

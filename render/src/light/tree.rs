@@ -2,7 +2,7 @@
 //! power, in logarithmic time (Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree
 //! splitting").
 
-use super::Receiver;
+use super::LightSampleContext;
 use glam::Vec3A;
 
 /// Where lights are, where they send light, how much.
@@ -54,7 +54,7 @@ impl LightBounds {
 
     /// Upper estimate, up to a factor, of the light that reaches `receiver`; 0 only where none does.
     #[inline]
-    fn importance(&self, receiver: &Receiver) -> f32 {
+    fn importance(&self, receiver: &LightSampleContext) -> f32 {
         let from_light = receiver.p - self.center();
         // The sphere below reaches over the horizon of a wall that a window is a part of; the box does not.
         let half = 0.5 * (self.max - self.min);
@@ -175,7 +175,7 @@ impl LightTree {
 
     /// Chooses a light; `None` where none can reach the receiver.
     #[inline]
-    pub fn sample(&self, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
+    pub fn sample(&self, receiver: &LightSampleContext, u: f32) -> Option<(u32, f32)> {
         let mut node = self.nodes.first()?;
         let (mut u, mut probability) = (u, 1.0);
         loop {
@@ -195,14 +195,14 @@ impl LightTree {
 
     /// Probability of the first of two siblings; `None` where neither can reach the receiver.
     #[inline]
-    fn left_probability(&self, first: u32, receiver: &Receiver) -> Option<f32> {
+    fn left_probability(&self, first: u32, receiver: &LightSampleContext) -> Option<f32> {
         let [a, b] = [0, 1].map(|k| self.nodes[first as usize + k].bounds.importance(receiver));
         (a + b > 0.0).then(|| a / (a + b))
     }
 
     /// Probability with which [`LightTree::sample`] chooses `light`.
     #[inline]
-    pub fn probability(&self, receiver: &Receiver, light: u32) -> f32 {
+    pub fn probability(&self, receiver: &LightSampleContext, light: u32) -> f32 {
         let mut node = self.leaf[light as usize];
         if node == u32::MAX {
             return 0.0;
@@ -286,7 +286,7 @@ mod tests {
             .collect();
         let tree = LightTree::new(&lights);
         for one_sided in [true, false] {
-            let receiver = Receiver { p: v(3.0), normal: v(1.0).normalize(), one_sided };
+            let receiver = LightSampleContext { p: v(3.0), normal: v(1.0).normalize(), one_sided };
             let sum: f32 = (0..50).map(|i| tree.probability(&receiver, i)).sum();
             assert!(sum > 0.3 && sum < 1.0 + 1e-5, "{sum}"); // the rest: branches whose lights all face away
             let n = 20_000;
@@ -309,7 +309,7 @@ mod tests {
         let window = LightBounds::new(Vec3A::new(-1.0, -1.0, 0.0), Vec3A::new(1.0, 1.0, 0.0), 1e3, Vec3A::Z, 1.0, 0.0);
         let lamp = LightBounds::at_point(Vec3A::new(0.0, 0.0, 3.0), 1.0, Vec3A::Z, -1.0, 0.0);
         let tree = LightTree::new(&[window, lamp]);
-        let at = |one_sided| Receiver { p: Vec3A::new(1.5, 0.0, 0.0), normal: Vec3A::Z, one_sided };
+        let at = |one_sided| LightSampleContext { p: Vec3A::new(1.5, 0.0, 0.0), normal: Vec3A::Z, one_sided };
         assert_eq!(tree.probability(&at(true), 1), 1.0);
         assert!(tree.probability(&at(false), 1) < 0.1);
     }
@@ -318,7 +318,7 @@ mod tests {
     fn many_coincident_lights_do_not_recurse_forever() {
         let light = LightBounds::at_point(Vec3A::ONE, 1.0, Vec3A::Z, -1.0, 0.0);
         let tree = LightTree::new(&vec![light; 10_000]);
-        let receiver = Receiver { p: Vec3A::ZERO, normal: Vec3A::Z, one_sided: true };
+        let receiver = LightSampleContext { p: Vec3A::ZERO, normal: Vec3A::Z, one_sided: true };
         assert!((tree.probability(&receiver, 77) - 1e-4).abs() < 1e-6);
     }
 }

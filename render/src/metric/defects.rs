@@ -27,7 +27,7 @@ pub struct Defects {
 }
 
 impl Defects {
-    /// Of a picture against its reference.
+    /// Defects of a picture against its reference.
     ///
     /// # Errors
     /// Pictures of different sizes.

@@ -29,7 +29,7 @@ pub struct ZScores {
 struct Place {
     difference: f64,
     variance: f64,
-    /// Of the reference.
+    /// Mean of the reference.
     level: f64,
 }
 

@@ -48,14 +48,14 @@ impl Ord for Candidate {
     }
 }
 
-/// Reflected radiance of every node in every direction.
-struct Reflected {
+/// NodeRadiance radiance of every node in every direction.
+struct NodeRadiance {
     /// E·F per direction, node by node.
     values: Vec<Rgb>,
     directions: usize,
 }
 
-impl Reflected {
+impl NodeRadiance {
     fn of(&self, node: usize) -> &[Rgb] {
         &self.values[node * self.directions..(node + 1) * self.directions]
     }
@@ -97,7 +97,7 @@ impl Reflected {
 /// with that of the comparison level two below to the tolerance.
 pub fn cut(tree: &Tree, reflector: &Reflector, directions: &[Vec3A], settings: &CutSettings) -> Cut {
     let nodes = tree.nodes();
-    let reflected = Reflected::new(tree, reflector, directions);
+    let reflected = NodeRadiance::new(tree, reflector, directions);
     let mut in_cut: Vec<usize> = nodes[0].children().collect();
     let (mut current, mut comparison) = (vec![Rgb::ZERO; directions.len()], vec![Rgb::ZERO; directions.len()]);
     let mut heap = BinaryHeap::new();

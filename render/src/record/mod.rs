@@ -14,7 +14,8 @@ mod zone;
 
 pub use cut::{Cut, CutSettings, cut, global_error};
 pub use hessian::Hessian;
+pub use moved::Receiver;
 pub use reflector::{Albedo, Reflector};
-pub use translate::{Receiver, Reflected, Scratch, reflect};
+pub use translate::{Reflected, Scratch, reflect};
 pub use tree::{Centroid, Node, Tree};
 pub use zone::{Record, Zone};

@@ -2,7 +2,7 @@
 
 use super::eas::{Eas, cap_sine, softened, unpack_normal};
 use super::reflector::Albedo;
-use super::translate::Receiver;
+use crate::frame::Frame;
 use brdf_tables::cap::projected_solid_angle;
 use brdf_tables::real::{LANES, Real};
 use core::f64::consts::TAU;
@@ -14,6 +14,17 @@ const MAX_RATIO: f64 = 4.0;
 
 /// Smallest squared length of the way to a source, in distances of the source from the record.
 pub(super) const MIN_LENGTH2: f32 = 1e-4;
+
+/// The point to shade.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// Position, world space.
+    pub position: Vec3A,
+    /// Local frame of the shading normal.
+    pub frame: Frame,
+    /// Unit direction to the eye, local frame.
+    pub wo: Vec3A,
+}
 
 /// Up to [`LANES`] sources seen from a point.
 pub(super) struct Moved {

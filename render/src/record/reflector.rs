@@ -31,13 +31,11 @@ impl<'a> Reflector<'a> {
     /// From the colours of a material. A table of facets with Schlick's reflectance takes that of the material in place of its
     /// own: its grey part is integrated over the caps, its hue taken at their axes.
     pub fn of(table: &'a Table, parts: &Parts) -> Self {
-        match table.specular() {
-            Some(Specular::Microfacet(Microfacet { fresnel: Fresnel::Schlick { .. }, .. })) => {
-                let colors = Colors { normal: parts.specular, grazing: parts.grazing };
-                Self { table, diffuse: parts.diffuse, colors, gray: colors.gray() }
-            }
-            _ => Self::new(table, parts.diffuse, parts.specular),
+        if let Some(Specular::Microfacet(Microfacet { fresnel: Fresnel::Schlick { .. }, .. })) = table.specular() {
+            let colors = Colors { normal: parts.specular, grazing: parts.grazing };
+            return Self { table, diffuse: parts.diffuse, colors, gray: colors.gray() };
         }
+        Self::new(table, parts.diffuse, parts.specular)
     }
 
     /// The specular part for many caps; [`Reflector::tint`] makes it the mean BRDF in sr⁻¹.

@@ -1,7 +1,7 @@
 //! Reflection of a record's sources at another point (eas-2015, §3.3, eqs. 15–16 and Fig. 9).
 
 use super::eas::{Eas, EasRecord, Estimator, unpack_normal};
-use super::moved::{MIN_LENGTH2, Moved};
+use super::moved::{MIN_LENGTH2, Moved, Receiver};
 use super::reflector::{Albedo, Reflector};
 use crate::frame::Frame;
 use crate::record::Record;
@@ -10,17 +10,6 @@ use brdf_tables::batch::CapBatch;
 use brdf_tables::real::LANES;
 use core::f32::consts::{PI, TAU};
 use glam::Vec3A;
-
-/// The point to shade.
-#[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// Position, world space.
-    pub position: Vec3A,
-    /// Local frame of the shading normal.
-    pub frame: Frame,
-    /// Unit direction to the eye, local frame.
-    pub wo: Vec3A,
-}
 
 /// What the sources of a record do at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

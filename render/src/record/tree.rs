@@ -69,6 +69,12 @@ impl Tree {
         tree
     }
 
+    /// The tree over samples of cells: its leaves are these, or hold no more samples than one of them.
+    pub fn of_cells(samples: &mut [GatherSample], cells: &[(Cell, u32)]) -> Self {
+        let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
+        Self::new(samples, most as usize, Centroid::Direction)
+    }
+
     /// Every node, the root first.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes

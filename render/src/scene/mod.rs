@@ -10,14 +10,17 @@ mod light;
 pub mod load;
 mod material;
 mod mesh;
+mod opacity;
 mod shapes;
 mod texture;
 mod validate;
 
+pub use crate::color::Rgb;
 pub use camera::{Camera, Crop, Film, Filter, Lens, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
+pub(crate) use opacity::Opacity;
 #[cfg(feature = "formats")]
 use texture::luminance;
 pub use texture::{
@@ -27,9 +30,6 @@ pub use texture::{
 pub use validate::SceneError;
 
 use serde::{Deserialize, Serialize};
-
-/// A linear RGB triple: reflectance, radiance, intensity.
-pub type Rgb = glam::Vec3A;
 
 /// How far light is followed, in Mitsuba's counting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

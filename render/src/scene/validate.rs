@@ -48,61 +48,52 @@ impl Material {
             | Self::FrontAlone { inner }
             | Self::NormalMap { inner, .. }
             | Self::BumpMap { inner, .. } => [Some(inner), None],
-            _ => [None, None],
+            Self::Diffuse { .. }
+            | Self::Phong { .. }
+            | Self::Ward { .. }
+            | Self::Lobe { .. }
+            | Self::Conductor { .. }
+            | Self::RoughConductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::RoughDielectric { .. }
+            | Self::Glass { .. }
+            | Self::Plastic { .. }
+            | Self::RoughPlastic { .. }
+            | Self::MetallicRoughness { .. } => [None, None],
         };
         pair.into_iter().flatten()
     }
 
     /// Textures this material itself looks up.
-    pub fn textures(&self) -> impl Iterator<Item = TextureId> {
-        let mut found = Vec::new();
-        let mut color = |c: &ColorTexture| found.extend(c.texture());
-        match self {
-            Self::Diffuse { reflectance: c } | Self::Glass { base_color: c, .. } => color(c),
-            Self::MetallicRoughness { base_color, f0, .. } => {
-                color(base_color);
-                color(f0);
+    pub fn textures(&self) -> Vec<TextureId> {
+        let (colors, floats): (&[&ColorTexture], &[&FloatTexture]) = match self {
+            Self::Diffuse { reflectance } => (&[reflectance], &[]),
+            Self::Phong { diffuse, specular, exponent } => (&[diffuse, specular], &[exponent]),
+            Self::Ward { diffuse, specular, alpha_u, alpha_v, .. } => (&[diffuse, specular], &[alpha_u, alpha_v]),
+            Self::Lobe { diffuse, specular, .. }
+            | Self::Plastic { diffuse, specular, .. }
+            | Self::RoughPlastic { diffuse, specular, .. } => (&[diffuse, specular], &[]),
+            Self::Conductor { eta, k, specular } => (&[eta, k, specular], &[]),
+            Self::RoughConductor { eta, k, specular, alpha_u, alpha_v, .. } => {
+                (&[eta, k, specular], &[alpha_u, alpha_v])
             }
-            Self::Conductor { eta, k, specular } | Self::RoughConductor { eta, k, specular, .. } => {
-                [eta, k, specular].into_iter().for_each(color);
+            Self::Dielectric { reflectance, transmittance, .. }
+            | Self::ThinDielectric { reflectance, transmittance, .. } => (&[reflectance, transmittance], &[]),
+            Self::RoughDielectric { reflectance, transmittance, alpha_u, alpha_v, .. } => {
+                (&[reflectance, transmittance], &[alpha_u, alpha_v])
             }
-            Self::Phong { diffuse: a, specular: b, .. }
-            | Self::Ward { diffuse: a, specular: b, .. }
-            | Self::Lobe { diffuse: a, specular: b, .. }
-            | Self::Plastic { diffuse: a, specular: b, .. }
-            | Self::RoughPlastic { diffuse: a, specular: b, .. }
-            | Self::Dielectric { reflectance: a, transmittance: b, .. }
-            | Self::ThinDielectric { reflectance: a, transmittance: b, .. }
-            | Self::RoughDielectric { reflectance: a, transmittance: b, .. } => {
-                color(a);
-                color(b);
+            Self::Glass { base_color, roughness, .. } => (&[base_color], &[roughness]),
+            Self::MetallicRoughness { base_color, f0, metallic, roughness, specular, .. } => {
+                (&[base_color, f0], &[metallic, roughness, specular])
             }
-            Self::NormalMap { texture, .. } | Self::BumpMap { texture, .. } => found.push(*texture),
-            Self::TwoSided { .. }
-            | Self::Mask { .. }
-            | Self::FrontAlone { .. }
-            | Self::Blend { .. }
-            | Self::Coat { .. } => {}
-        }
-        let mut float = |c: &FloatTexture| found.extend(c.texture());
-        match self {
-            Self::Phong { exponent: a, .. }
-            | Self::Glass { roughness: a, .. }
-            | Self::Mask { opacity: a, .. }
-            | Self::Blend { weight: a, .. }
-            | Self::Coat { weight: a, .. } => float(a),
-            Self::Ward { alpha_u: a, alpha_v: b, .. }
-            | Self::RoughConductor { alpha_u: a, alpha_v: b, .. }
-            | Self::RoughDielectric { alpha_u: a, alpha_v: b, .. } => {
-                float(a);
-                float(b);
-            }
-            Self::MetallicRoughness { metallic, roughness, specular, .. } => {
-                [metallic, roughness, specular].into_iter().for_each(float);
-            }
-            _ => {}
-        }
-        found.into_iter()
+            Self::Mask { opacity: share, .. }
+            | Self::Blend { weight: share, .. }
+            | Self::Coat { weight: share, .. } => (&[], &[share]),
+            Self::NormalMap { texture, .. } | Self::BumpMap { texture, .. } => return vec![*texture],
+            Self::TwoSided { .. } | Self::FrontAlone { .. } => return Vec::new(),
+        };
+        colors.iter().filter_map(|c| c.texture()).chain(floats.iter().filter_map(|f| f.texture())).collect()
     }
 }
 

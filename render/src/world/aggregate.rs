@@ -1,9 +1,8 @@
 //! Shapes of one space under acceleration structures: triangles in one tree, spheres and instances in another.
 
-use super::masks::Opacity;
 use crate::bvh::{Stack, TriangleBvh};
 use crate::ray::{Hit, Ray};
-use crate::scene::{Coordinates, Geometry, Scene, Shape, Sphere};
+use crate::scene::{Coordinates, Geometry, Opacity, Scene, Shape, Sphere};
 use core::cell::Cell;
 use glam::{Affine3A, Vec2, Vec3A, Vec4};
 use obvhs::aabb::Aabb;

@@ -13,7 +13,6 @@ use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
-pub(crate) use masks::Opacity;
 pub use queries::{Counts, Queries};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -60,11 +59,9 @@ impl World {
         let masked = aggregate.is_masked() || groups.iter().any(Aggregate::is_masked);
         let (lights, first_emitter) = Lights::new(&scene);
         let needs_tangents = (0..scene.materials.len()).map(|i| needs_tangents(&scene, i)).collect();
-        let coat = |m: &Material| match m {
-            Material::RoughPlastic { distribution, alpha, eta, .. } => {
-                Some(Box::new(CoatTable::new(*distribution, *alpha, *eta)))
-            }
-            _ => None,
+        let coat = |m: &Material| {
+            let Material::RoughPlastic { distribution, alpha, eta, .. } = m else { return None };
+            Some(Box::new(CoatTable::new(*distribution, *alpha, *eta)))
         };
         let coats = scene.materials.iter().map(coat).collect();
         let (glasses, facets) = (glasses(&scene), facets(&scene));
@@ -116,10 +113,7 @@ impl World {
     /// Absorption coefficient behind a material that is a boundary of glass.
     #[inline]
     pub(crate) fn boundary(&self, id: MaterialId) -> Option<Rgb> {
-        match *self.material(id) {
-            Material::Glass { sheet: false, absorption, .. } => Some(absorption),
-            _ => None,
-        }
+        if let Material::Glass { sheet: false, absorption, .. } = *self.material(id) { Some(absorption) } else { None }
     }
 
     fn context(&self) -> Context<'_> {
@@ -130,12 +124,11 @@ impl World {
 /// A table for every glass that is rough somewhere; glasses of one index share it.
 fn glasses(scene: &Scene) -> Vec<Option<Arc<GlassTable>>> {
     let mut known = HashMap::new();
-    let mut table = |m: &Material| match *m {
-        Material::Glass { roughness, eta, sheet, .. } if roughness != FloatTexture::Constant(0.0) => {
-            let new = || Arc::new(GlassTable::new(eta, sheet));
-            Some(Arc::clone(known.entry((eta.to_bits(), sheet)).or_insert_with(new)))
-        }
-        _ => None,
+    let mut table = |m: &Material| {
+        let Material::Glass { roughness, eta, sheet, .. } = *m else { return None };
+        let new = || Arc::new(GlassTable::new(eta, sheet));
+        let rough = roughness != FloatTexture::Constant(0.0);
+        rough.then(|| Arc::clone(known.entry((eta.to_bits(), sheet)).or_insert_with(new)))
     };
     scene.materials.iter().map(&mut table).collect()
 }
@@ -143,11 +136,9 @@ fn glasses(scene: &Scene) -> Vec<Option<Arc<GlassTable>>> {
 /// A table for every layered surface; those of one index share it.
 fn facets(scene: &Scene) -> Vec<Option<Arc<FacetTable>>> {
     let mut known = HashMap::new();
-    let mut table = |m: &Material| match *m {
-        Material::MetallicRoughness { layered: Some(eta), .. } => {
-            Some(Arc::clone(known.entry(eta.to_bits()).or_insert_with(|| Arc::new(FacetTable::new(eta)))))
-        }
-        _ => None,
+    let mut table = |m: &Material| {
+        let Material::MetallicRoughness { layered: Some(eta), .. } = *m else { return None };
+        Some(Arc::clone(known.entry(eta.to_bits()).or_insert_with(|| Arc::new(FacetTable::new(eta)))))
     };
     scene.materials.iter().map(&mut table).collect()
 }

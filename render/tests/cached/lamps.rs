@@ -1,18 +1,15 @@
 //! Lamps of every shape by every method, seen in every way, against closed forms and quadrature: caches must not lose
 //! light where they take over from the path tracer.
 
-use crate::common::table;
+use crate::common::cached;
 use crate::lamp_shapes::*;
 use crate::pieces::*;
 use core::f64::consts::PI;
 use glam::{Affine3A, DVec3, Quat, Vec3, Vec3A};
-use render::cache::Spacing;
 use render::film::render;
 use render::integrator::PathTracer;
-use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Settings, render_cached};
+use render::integrator::cached::policy::Allowed;
 use render::picture::{Budget, Picture};
-use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
 use render::scene::*;
 use render::world::World;
@@ -55,17 +52,7 @@ fn check(view: View, spp: u32, allowed: f64) {
     let path = PathTracer { settings: world.scene.integrator, indirect_only: false };
     near("path", &render(&world, &path, Budget::Samples(spp), 7, &|_| ()));
     for (method, allowed) in methods {
-        let policy = Policy::new(&world.scene, allowed, |r| Ok::<_, ()>(table(r))).expect("no table is refused");
-        let settings = Settings {
-            tolerance: Some(0.02),
-            estimator: Estimator::Improved,
-            spacing: Spacing::default(),
-            sources: None,
-            budget: Budget::Samples(spp),
-            seed: 1,
-            indirect_only: false,
-        };
-        near(method, &render_cached(&world, &policy, &settings, None, &|_| ()).0);
+        near(method, &cached(&world, allowed, 0.02, spp).0);
     }
 }
 

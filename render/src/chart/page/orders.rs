@@ -38,7 +38,7 @@ const TRACED: [f32; 3] = [0.6; 3];
 /// # Errors
 /// A drawing that fails, a file that cannot be written.
 pub fn section(results: &Results, folder: &Path) -> Result<Option<String>> {
-    let adaptive = |name: &str| method::find(name).is_some_and(|m| m.size() == Some(Size::Order));
+    let adaptive = |name: &str| method::find(name).is_some_and(|m| m.size == Some(Size::Order));
     if results.plan.stability || !results.rows.iter().any(|r| adaptive(&r.method)) {
         return Ok(None);
     }

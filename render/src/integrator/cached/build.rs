@@ -3,14 +3,13 @@
 use super::caches::Caches;
 use super::incident::IncidentTracer;
 use super::irradiance::COVERED;
-use super::kind::{EachKind, Listed};
-use super::kinds::{self, Scratches};
+use super::kinds::{self, EachKind, Listed, Scratches};
 use super::points::{Point, pixel_point};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use super::site::Site;
-use super::views::RIM_VIEWS;
-use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, clamp_to_neighbours, disagreeing};
+use super::views::{Pixels, RIM_VIEWS};
+use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, disagreeing, insert_clamped};
 use crate::camera::RayGenerator;
 use crate::record::irradiance::IrradianceRecord;
 use crate::record::{Receiver, Record};
@@ -117,6 +116,12 @@ impl<'a> Builder<'a> {
         IncidentTracer { world: self.world, irradiance, environment, max_segments, rr_depth }
     }
 
+    /// The place of a record, for what the middle of a pixel shows.
+    pub(super) fn site<'s>(&'s self, tracer: &'s IncidentTracer<'s>, point: &'s Point, pixel: usize) -> Site<'s> {
+        let pixels = Pixels { points: &self.points, grid: self.grid, rim: &self.rim };
+        Site { world: self.world, quality: &self.quality, seed: self.seed, pixels, tracer, point, pixel }
+    }
+
     pub(super) fn treatment(&self, point: &Point) -> Treatment {
         self.policy.treatment(point.material.0)
     }
@@ -173,7 +178,7 @@ impl<'a> Builder<'a> {
         let make = |_: &Cache<K::Record>, pixel: usize| {
             let point = self.points[pixel].as_ref()?;
             let held = self.held::<K>(point)?;
-            let (record, counts) = kind.make(held, &Site { builder: self, tracer, point, pixel })?;
+            let (record, counts) = kind.make(held, &self.site(tracer, point, pixel))?;
             self.counted(record, counts).map(|record| (record, quality.glossy.min_pixels * point.footprint))
         };
         let light = |point: &Point, record: &K::Record| {
@@ -219,11 +224,4 @@ fn is_covered<R: Record>(cache: &Cache<R>, p: &Point, weight: Weight) -> bool {
     });
     // Ward's weight is 1 where the zone ends.
     best > if weight == Weight::Ward { 0.0 } else { COVERED }
-}
-
-/// Adds a record whose radius its neighbours may bound.
-pub(super) fn insert_clamped<R: Record>(cache: &mut Cache<R>, (mut record, smallest): (R, f32)) {
-    let radius = clamp_to_neighbours(cache, record.position(), record.radius(), smallest);
-    record.set_radius(radius);
-    cache.insert(record);
 }

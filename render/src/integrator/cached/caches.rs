@@ -36,3 +36,11 @@ impl Caches {
         self.coarse.bytes() + self.irradiance.bytes() + glossy
     }
 }
+
+/// Caches that were read, and whether they are all that the camera needs.
+pub struct Loaded {
+    /// The records.
+    pub caches: Caches,
+    /// Whether camera, τ and spacing are those the file was made for.
+    pub complete: bool,
+}

@@ -1,17 +1,19 @@
 //! Radiance that arrives at a record: a path whose Lambertian surfaces are answered by the irradiance cache.
 
-use super::direct::{Left, emission, environment, receiver, sample_light};
-use super::irradiance::interpolated;
+use super::diffuse::interpolated;
+use crate::bsdf::{Bsdf, Split};
 use crate::cache::Cache;
 use crate::color::mean_radiance;
 use crate::hemisphere::Incident;
+use crate::integrator::direct::{Emitter, Left, emission, environment, receiver};
 use crate::integrator::media::Media;
+use crate::light::Lights;
 use crate::ray::Ray;
 use crate::record::irradiance::IrradianceRecord;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
-use crate::world::{Queries, World};
-use glam::Vec3A;
+use crate::world::{Interaction, Queries, World};
+use glam::{Vec2, Vec3A};
 
 /// Follows paths from records.
 #[derive(Clone, Copy)]
@@ -50,7 +52,8 @@ impl IncidentTracer<'_> {
                 if segment == 1 {
                     found.radiance = self.environment.map_or(Rgb::ZERO, |e| e.radiance(ray.direction));
                 } else {
-                    found.radiance += throughput * environment(&world.lights, ray.direction, left.as_ref());
+                    let (light, weight) = environment(&world.lights, ray.direction, left.as_ref());
+                    found.radiance += throughput * (light * weight);
                 }
                 break;
             }
@@ -62,8 +65,8 @@ impl IncidentTracer<'_> {
             if segment == 1 {
                 found.normal = at.normal * 1f32.copysign(at.normal.dot(at.wo));
             } else {
-                let light = emission(world, &world.lights, &at, left.as_ref());
-                found.radiance += throughput * media.left(at.distance) * light;
+                let (light, weight) = emission(world, &world.lights, &at, left.as_ref());
+                found.radiance += throughput * media.left(at.distance) * (light * weight);
             }
             if segment == self.max_segments {
                 break;
@@ -91,7 +94,7 @@ impl IncidentTracer<'_> {
             if !sample.is_delta() {
                 straight = None;
             }
-            left = Some(Left { receiver: receiver(&at, &bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) });
+            left = (!sample.is_delta()).then(|| Left { receiver: receiver(&at, &bsdf), pdf: sample.pdf });
             let mut survival = throughput.max_element();
             if segment + 1 >= self.rr_depth {
                 survival = (survival * eta * eta).min(0.95);
@@ -111,4 +114,31 @@ impl IncidentTracer<'_> {
         }
         found
     }
+}
+
+/// Light of one sampled emitter of `lights`, reflected. `choice` and `u` choose the emitter and the place on it. With
+/// `diffuse_alone` no BSDF sample will look for the light that the Lambertian part reflects.
+#[inline]
+#[allow(clippy::too_many_arguments)]
+pub fn sample_light(
+    world: &World,
+    lights: &Lights,
+    at: &Interaction,
+    bsdf: &Bsdf,
+    diffuse_alone: bool,
+    choice: f32,
+    u: Vec2,
+    queries: &mut Queries,
+) -> Split {
+    if bsdf.is_delta() {
+        return Split::ZERO;
+    }
+    let Some(emitter) = Emitter::sample(world, lights, bsdf, &receiver(at, bsdf), choice, u) else {
+        return Split::ZERO;
+    };
+    let weighted = |f: Rgb, mis: f32| f * emitter.light.radiance * emitter.factor(mis);
+    let f = emitter.value.f;
+    let diffuse = weighted(f.diffuse, if diffuse_alone { 1.0 } else { emitter.mis });
+    let reflected = Split { diffuse, glossy: weighted(f.glossy, emitter.mis) };
+    emitter.in_sight(world, at, reflected.sum(), queries).map_or(Split::ZERO, |_| reflected)
 }

@@ -1,17 +1,14 @@
 //! Irradiance records in a picture: on diffuse surfaces, and coarse ones on all, which end the paths of the gathers.
 
-use super::build::{Builder, insert_clamped};
+use super::build::Builder;
 use super::incident::IncidentTracer;
 use super::points::Point;
 use super::policy::Treatment;
-use super::site::Site;
-use crate::cache::{Cache, RadiusPolicy, Weight};
+use crate::cache::{Cache, RadiusPolicy, Weight, insert_clamped};
 use crate::color::luminance;
 use crate::frame::Frame;
 use crate::record::Record;
 use crate::record::irradiance::{Gathered, IrradianceRecord, Strata};
-use crate::scene::Rgb;
-use glam::Vec3A;
 use std::time::Instant;
 
 /// Tells the sample points of records from those of other kinds.
@@ -86,7 +83,7 @@ impl Builder<'_> {
         let make = |_: &Cache<IrradianceRecord>, pixel: usize| {
             let point = self.points[pixel].as_ref()?;
             let frame = Frame::from_normal(point.hemisphere_normal());
-            let mut gather = Site { builder: self, tracer, point, pixel }.gather(wanted.salt);
+            let mut gather = self.site(tracer, point, pixel).gather(wanted.salt);
             let found = gather.irradiance(&frame, Strata::about(wanted.rays));
             let mut record = found.record;
             record.set_radius(self.irradiance_radius(&found, wanted.radius, point.footprint));
@@ -113,16 +110,4 @@ impl Builder<'_> {
         let limit = found.record.gradient_limit().max(LEAST_CHANGE * found.harmonic_mean);
         policy.radius(found.harmonic_mean.min(CHANGES * limit), footprint)
     }
-}
-
-/// Irradiance about `normal`, which a texture may have bent, from the records of the hemisphere about another; `None` where none
-/// reaches.
-#[inline]
-pub fn interpolated(cache: &Cache<IrradianceRecord>, position: Vec3A, hemisphere: Vec3A, normal: Vec3A) -> Option<Rgb> {
-    let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
-    cache.interpolate(position, hemisphere, Weight::Smooth, |record, w| {
-        sum += record.at(position, normal) * w;
-        weights += w;
-    });
-    (weights > super::kind::FOUND).then(|| sum / weights)
 }

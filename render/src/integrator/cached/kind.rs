@@ -2,7 +2,6 @@
 //! goes over the list of kinds and knows none of them.
 
 use super::file::{CacheFileError, Reader};
-use super::kinds::{Allowed, Glossy, GlossyCaches, Kinds, PerKind, Scratches};
 use super::settings::Quality;
 use super::site::Site;
 use crate::bsdf::{Parts, Split};
@@ -31,6 +30,8 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// Tells its sample points from those of other records.
     const SALT: u64;
 
+    /// What a method that asks for it must tell besides.
+    type Settings: Copy + Debug + PartialEq;
     /// What it keeps at a point.
     type Record: Record + Clone + Debug;
     /// How it holds a material.
@@ -38,11 +39,11 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// Memory for reading records, used again from point to point.
     type Scratch: Default;
 
-    /// What asks for it alone, with its own defaults, at the tolerance τ.
-    fn alone(tolerance: f32) -> Allowed;
+    /// Its own defaults at the tolerance τ.
+    fn settings(tolerance: f32) -> Self::Settings;
 
-    /// Whether it is among what is allowed; notes how.
-    fn ask(&mut self, allowed: &Allowed) -> bool;
+    /// Notes how it is asked for; whether it takes part.
+    fn ask(&mut self, asked: Asked<Self::Settings>) -> bool;
 
     /// Takes a specular part if it can hold it, and says in words what it does with it. `table` finds or fits a table.
     ///
@@ -54,7 +55,7 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
         table: &mut impl FnMut(&Recipe) -> Result<Table, E>,
     ) -> Result<(Option<Self::Held>, String), E>;
 
-    /// What [`Allowed::Auto`] does with a specular part through it, in words; `None` if it is never chosen so.
+    /// What it does with a specular part where it pays ([`Asked::Paying`]), in words; `None` if it is never chosen so.
     fn outlook(specular: &Specular) -> Option<String>;
 
     /// Adds what its records were made for, to tell whether those of a file are the same: tables apart from all else.
@@ -99,83 +100,22 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// Bytes that are no record.
     fn read(reader: &mut Reader) -> Result<Self::Record, CacheFileError>;
 
-    /// Of what the size of a record is counted in.
+    /// The size of a record, in what it is made of: sources, bands.
     fn elements(record: &Self::Record) -> usize;
 
     /// Number and size of records in words.
     fn sentence(figures: &KindFigures) -> String;
 }
 
-/// What a kind says of itself, for a command line.
-#[derive(Clone, Copy)]
-pub struct Description {
-    /// [`GlossyKind::NAME`].
-    pub name: &'static str,
-    /// [`GlossyKind::ABOUT`].
-    pub about: &'static str,
-    /// [`GlossyKind::MEAN_KEY`].
-    pub mean_key: &'static str,
-    /// [`GlossyKind::TABLES`].
-    pub tables: bool,
-    /// [`GlossyKind::SALT`].
-    pub salt: u64,
-    /// [`GlossyKind::alone`].
-    pub alone: fn(f32) -> Allowed,
-    /// [`GlossyKind::outlook`].
-    pub outlook: fn(&Specular) -> Option<String>,
-    /// [`GlossyKind::sentence`].
-    pub sentence: fn(&KindFigures) -> String,
-}
-
-impl Description {
-    /// That of a kind.
-    pub const fn of<K: GlossyKind>() -> Self {
-        Self {
-            name: K::NAME,
-            about: K::ABOUT,
-            mean_key: K::MEAN_KEY,
-            tables: K::TABLES,
-            salt: K::SALT,
-            alone: K::alone,
-            outlook: K::outlook,
-            sentence: K::sentence,
-        }
-    }
-}
-
-/// A kind that stands in the list of kinds: where it has its part of what is kept for all.
-pub trait Listed: GlossyKind {
-    /// What is known of the materials.
-    fn of(kinds: &Kinds) -> &Self;
-    /// How a material is held, if by this kind.
-    fn held(glossy: Glossy) -> Option<Self::Held>;
-    /// The records.
-    fn cache(caches: &GlossyCaches) -> &Cache<Self::Record>;
-    /// The records, to add to.
-    fn cache_mut(caches: &mut GlossyCaches) -> &mut Cache<Self::Record>;
-    /// The memory for reading them.
-    fn scratch(scratches: &mut Scratches) -> &mut Self::Scratch;
-    /// Number and size of its records.
-    fn figures(figures: &PerKind<KindFigures>) -> &KindFigures;
-}
-
-/// Something to do with the kind that holds a material.
-pub trait WithKind {
-    /// What comes of it.
-    type Out;
-    /// Does it.
-    fn run<K: Listed>(self, kind: &K, held: K::Held) -> Self::Out;
-}
-
-/// Something to do with every kind.
-pub trait EachKind {
-    /// Why it may stop.
-    type Error;
-    /// Does it with one.
-    ///
-    /// # Errors
-    /// To stop.
-    fn run<K: Listed>(&mut self) -> Result<(), Self::Error>;
+/// How a method asks for a kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked<S> {
+    /// Not at all.
+    No,
+    /// Where it pays.
+    Paying,
+    /// Wherever it can hold a material.
+    Everywhere(S),
 }
 
 /// A surface of a pixel, as records are read for it.
@@ -207,9 +147,6 @@ impl Found {
     pub const NOTHING: Self = Self { light: None, traced: 1.0, doubt: 0.0 };
 }
 
-/// Sum of weights from which on records count as found.
-pub const FOUND: f32 = 1e-3;
-
 /// Records of a kind in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KindFigures {
@@ -222,7 +159,7 @@ pub struct KindFigures {
 }
 
 impl KindFigures {
-    /// Of the records of a cache.
+    /// Number and size of the records of a cache.
     pub fn new<K: GlossyKind>(cache: &Cache<K::Record>) -> Self {
         let records = cache.records();
         Self { records: records.len(), elements: records.iter().map(K::elements).sum(), bytes: cache.bytes() }

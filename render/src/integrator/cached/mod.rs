@@ -3,7 +3,7 @@
 mod budget;
 mod build;
 mod caches;
-mod direct;
+mod diffuse;
 pub mod file;
 mod incident;
 mod irradiance;
@@ -32,7 +32,8 @@ pub use build::Builder;
 pub use caches::Caches;
 use file::Loaded;
 pub use incident::IncidentTracer;
-pub use kind::{Description, EachKind, Found, GlossyKind, KindFigures, Listed, Shaded, WithKind};
+pub use kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
+pub use kinds::{Description, EachKind, Listed, WithKind};
 use passes::Passes;
 pub use points::{PixelCone, Point};
 use policy::Policy;

@@ -101,7 +101,7 @@ pub struct PixelCone {
 }
 
 impl PixelCone {
-    /// Of the camera of a world.
+    /// That of the camera of a world.
     pub fn new(world: &World) -> Self {
         let camera = &world.scene.camera;
         let of_film = 2.0 / camera.film.width.max(1) as f32;
@@ -123,6 +123,6 @@ pub fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), s
     let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
     match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut Queries::default(), |_, _, _| ()) {
         Seen::Surface { point, .. } => Some(point),
-        _ => None,
+        Seen::Nothing { .. } | Seen::Ended => None,
     }
 }

@@ -2,8 +2,8 @@
 
 pub use super::kinds::{Allowed, Glossy, Kinds};
 use super::kinds::{COUNT, KINDS, PerKind};
+use super::materials::is_diffuse;
 pub use super::materials::specular;
-use super::materials::{is_diffuse, reason};
 use crate::scene::{Material, Scene};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
@@ -57,7 +57,7 @@ impl Policy {
         let mut policy = Self::default();
         policy.asked = policy.kinds.ask(&allowed);
         for (i, material) in scene.materials.iter().enumerate() {
-            let (treatment, note) = policy.decide(material, allowed, &mut table)?;
+            let (treatment, note) = policy.decide(material, &mut table)?;
             let name = scene.material_names.get(i).filter(|n| !n.is_empty());
             let name = name.cloned().unwrap_or_else(|| format!("material {i}"));
             policy.notes.extend(note.map(|note| format!("{name}: {note}")));
@@ -70,17 +70,20 @@ impl Policy {
     fn decide<E>(
         &mut self,
         material: &Material,
-        allowed: Allowed,
         table: &mut impl FnMut(&Recipe) -> Result<Table, E>,
     ) -> Result<(Treatment, Option<String>), E> {
         if is_diffuse(material) {
             return Ok((Treatment::Irradiance, None));
         }
-        let specular = specular(material).filter(|_| self.asked.iter().any(|&asked| asked));
-        let Some(specular) = specular else {
-            // Of those that wrap others, the others tell.
-            let own = material.children().next().is_none();
-            return Ok((Treatment::Traced, own.then(|| format!("path traced ({})", reason(material, allowed)))));
+        let any = self.asked.iter().any(|&asked| asked);
+        let only = |specular| if any { Ok(specular) } else { Err("the method caches irradiance only") };
+        let specular = match specular(material).and_then(only) {
+            Ok(specular) => specular,
+            Err(reason) => {
+                // Of those that wrap others, the others tell.
+                let own = material.children().next().is_none();
+                return Ok((Treatment::Traced, own.then(|| format!("path traced ({reason})"))));
+            }
         };
         let (held, note) = self.kinds.hold(&self.asked, specular, table)?;
         Ok((held.map_or(Treatment::Traced, Treatment::Glossy), note))
@@ -115,8 +118,8 @@ pub fn outlook(material: &Material) -> String {
     if is_diffuse(material) {
         return "irradiance records".into();
     }
-    let Some(specular) = specular(material) else {
-        return format!("path traced ({})", reason(material, Allowed::Auto));
-    };
-    KINDS.iter().find_map(|kind| (kind.outlook)(&specular)).unwrap_or_else(|| "path traced".into())
+    match specular(material) {
+        Ok(specular) => KINDS.iter().find_map(|kind| (kind.outlook)(&specular)).unwrap_or_else(|| "path traced".into()),
+        Err(reason) => format!("path traced ({reason})"),
+    }
 }

@@ -1,12 +1,11 @@
 //! One record under the lens: made where a pixel looks, with everything that went into it.
 
 use super::build::Builder;
-use super::kind::{GlossyKind, Listed};
-use super::kinds::Eas;
+use super::kind::GlossyKind;
 use super::kinds::eas::Lobe;
+use super::kinds::{Eas, Listed};
 use super::points::Point;
 use super::policy::Treatment;
-use super::site::Site;
 use crate::bsdf::Parts;
 use crate::cache::Cache;
 use crate::frame::Frame;
@@ -100,7 +99,7 @@ impl Builder<'_> {
         let mut coarse = Cache::new(min, max);
         self.fill_coarse(&mut coarse, None, progress);
         let tracer = self.record_tracer(&coarse);
-        let site = Site { builder: self, tracer: &tracer, point, pixel: i };
+        let site = self.site(&tracer, point, i);
         let (lobe, frame) = (&eas.lobes[held.lobe], site.frame());
         let no_lobe = || no_table("its model has no separate lobe");
         let parts = site.parts().ok_or_else(no_lobe)?;

@@ -43,32 +43,39 @@ pub struct Quality {
 }
 
 /// The numbers that the quality of a picture hangs on, as they are at τ = [`TOLERANCE`]. All cost time to fill; what they buy
-/// is said with each. `cargo run --release -p render --example knobs` prints the curve of each: seconds, records and error
-/// where it is made smaller and larger.
+/// is said with each. `cargo run --release -p render --example knobs` prints the curve of each: rays, records, memory and error
+/// where it is made smaller and larger; `doc/measurements.md` has those of the glossy Cornell box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knobs {
-    /// Rays of an irradiance record. Time is in proportion; noise of the records of diffuse surfaces falls with the root.
+    /// Rays of an irradiance record. Half of the rays of a picture; noise of the records of diffuse surfaces falls with the root
+    /// until other errors are left: twice as many take a tenth off the error, four times hardly more.
     pub irradiance_rays: f32,
-    /// Spacing of irradiance records. Closer ones follow contact shadows; their number, and the time, grow with 1/radius².
+    /// Spacing of irradiance records. Closer ones follow contact shadows. Where light bends, `curvature` bounds the radius first:
+    /// the scale and the largest radius count on what is smooth and far from all else.
     pub irradiance: RadiusPolicy,
-    /// Rays of a coarse irradiance record. Its error is averaged by every gather that ends on it, so a tenth does.
+    /// Rays of a coarse irradiance record. Every gather averages over many, but all average over the same: what is left is a bias
+    /// of the whole picture, one to three percent at a tenth of the rays of the others, a half at four times that, for a quarter
+    /// more time.
     pub coarse_rays: f32,
-    /// Spacing of those. Twice as far as that of the others, for the same reason.
+    /// Spacing of those. About twice as far as that of the others: closer ones buy nothing, twice as far costs a tenth.
     pub coarse: RadiusPolicy,
-    /// Rays in the smallest cell of a glossy record. Time is in proportion; noise of its sources falls with the root.
+    /// Rays in the smallest cell of a glossy record: the rays of these records are in proportion, a third of all as it is. Noise
+    /// of its sources falls with the root; it is seen where the irradiance is smoother than in the box.
     pub rays_per_cell: f32,
-    /// Largest half angle of a cell over the width of the lobe, where the lobe is bright. Finer cells take rays with 1/angle², and
-    /// keep edges of what is mirrored sharp.
+    /// Largest half angle of a cell over the width of the lobe, where the lobe is bright. Finer cells take rays with 1/angle² and
+    /// keep edges of what is mirrored sharp: half of it takes 5 % off the error for three times the rays of glossy records, four times
+    /// doubles the error.
     pub fineness: f32,
-    /// Spacing of glossy records. Closer ones follow mirrored things that are near; a record costs more than an irradiance one.
+    /// Spacing of glossy records. Closer ones follow mirrored things that are near. The smallest radius decides their number and
+    /// memory: less buys nothing, twice of it costs a fifth.
     pub glossy: RadiusPolicy,
     /// Largest radius of a glossy record of the paper, pixels: its weights need overlap.
     pub paper_reach: f32,
     /// Tolerance of the improved cut over τ. A record is read by other points than it was made for: the cut leaves room for
-    /// them, in bytes and time to read.
+    /// them, in bytes: a quarter of it has 17 % more of them and 2 % less error.
     pub cut: f32,
     /// Error over the light that the second-order term may have within a radius, over τ. Less means more records where light
-    /// bends.
+    /// bends: half of it takes a fifth off the error and two thirds off the bias, for 40 % more rays.
     pub curvature: f32,
 }
 

@@ -2,11 +2,10 @@
 //! once per surface that the pixel shows.
 
 use super::caches::Caches;
-use super::direct::{Left, emission, environment, receiver, sample_light};
-use super::incident::IncidentTracer;
-use super::irradiance::interpolated;
-use super::kind::{Found, Listed, Shaded, WithKind};
-use super::kinds::Scratches;
+use super::diffuse::interpolated;
+use super::incident::{IncidentTracer, sample_light};
+use super::kind::{Found, Shaded};
+use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, see};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
@@ -14,6 +13,7 @@ use super::surface::{Grouping, Surface};
 use crate::bsdf::{Bsdf, Split};
 use crate::color::mean_radiance;
 use crate::frame::Frame;
+use crate::integrator::direct::{Left, emission, environment, receiver};
 use crate::light::Lights;
 use crate::picture::Radiance;
 use crate::ray::Ray;
@@ -88,7 +88,7 @@ impl Shader<'_> {
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
         let mut first = None;
         let seen = see(world, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
-            let light = emission(world, &world.lights, at, None) * throughput;
+            let light = emission(world, &world.lights, at, None).0 * throughput;
             match segments {
                 1 => {
                     first = Some((
@@ -108,7 +108,7 @@ impl Shader<'_> {
             (out.normal, out.albedo) = (normal, albedo);
         }
         if let Seen::Nothing { direction, throughput, segments } = seen {
-            let light = environment(&world.lights, direction, None) * throughput;
+            let light = environment(&world.lights, direction, None).0 * throughput;
             match segments {
                 1 if settings.hide_emitters || settings.hide_environment => (),
                 1 => emitted += light,
@@ -168,15 +168,15 @@ impl Shader<'_> {
         queries: &mut Queries,
     ) -> Split {
         let Some(sample) = bsdf.sample(choice, u) else { return Split::ZERO };
-        let left = Left { receiver: receiver(&point.at, bsdf), pdf: (!sample.is_delta()).then_some(sample.pdf) };
+        let left = (!sample.is_delta()).then(|| Left { receiver: receiver(&point.at, bsdf), pdf: sample.pdf });
         let ray = point.at.spawn(sample.wi);
         let hit = queries.intersect(self.world, &ray);
-        let light = if hit.exists() {
-            emission(self.world, lights, &self.world.interaction(&ray, &hit), Some(&left))
+        let (light, weight) = if hit.exists() {
+            emission(self.world, lights, &self.world.interaction(&ray, &hit), left.as_ref())
         } else {
-            environment(lights, sample.wi, Some(&left))
+            environment(lights, sample.wi, left.as_ref())
         };
-        sample.weight * light
+        sample.weight * (light * weight)
     }
 
     /// Indirect light by one path, and what of the environment was left to the records.

@@ -1,9 +1,9 @@
 //! A place where a record is made, and the gathers there.
 
-use super::build::Builder;
 use super::incident::IncidentTracer;
 use super::points::Point;
 use super::settings::Quality;
+use super::views::Pixels;
 use crate::bsdf::Parts;
 use crate::frame::Frame;
 use crate::hemisphere::{
@@ -14,14 +14,20 @@ use crate::record::irradiance::{Gathered, IrradianceRecord, Strata};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::simd::widest;
-use crate::world::{Counts, Queries};
+use crate::world::{Counts, Queries, World};
 use fearless_simd::Level;
 use glam::{Vec2, Vec3A};
 
 /// What a pixel shows, and what making its record needs.
 pub struct Site<'a> {
-    /// Quality, views and scene.
-    pub(super) builder: &'a Builder<'a>,
+    /// The scene.
+    pub(super) world: &'a World,
+    /// Rays, spacing, tolerance.
+    pub(super) quality: &'a Quality,
+    /// Seed of all sample points.
+    pub(super) seed: u64,
+    /// What other pixels show.
+    pub(super) pixels: Pixels<'a>,
     /// Follows paths.
     pub(super) tracer: &'a IncidentTracer<'a>,
     /// The surface.
@@ -33,7 +39,7 @@ pub struct Site<'a> {
 impl<'a> Site<'a> {
     /// Rays, spacing, tolerance.
     pub fn quality(&self) -> &'a Quality {
-        &self.builder.quality
+        self.quality
     }
 
     /// The surface.
@@ -54,29 +60,24 @@ impl<'a> Site<'a> {
 
     /// Colours of the material; `None` for a model without separate parts.
     pub fn parts(&self) -> Option<Parts> {
-        self.builder.world.bsdf(&self.point.at).parts()
+        self.world.bsdf(&self.point.at).parts()
     }
 
     /// Gathers light with sample points of their own, told apart by `salt`.
     pub fn gather(&self, salt: u64) -> Gather<'a> {
-        Gather::new(self.tracer, self.point, self.builder.seed, salt, self.pixel as u32)
+        Gather::new(self.tracer, self.point, self.seed, salt, self.pixel as u32)
     }
 
     /// The views that will read the record, and how far they reach in pixels.
     pub fn views(&self, lobe_width: f32) -> (Vec<View>, f32) {
-        self.builder.views(self.point, self.pixel, lobe_width)
+        self.pixels.views(self.point, self.pixel, self.quality.glossy, lobe_width)
     }
 
     /// The hemisphere divided for the views that will read a record, with the rays of each cell.
     pub fn guided_cells(&self, frame: &Frame, views: &[View], lobe_width: f32) -> Vec<(Cell, u32)> {
         let quality = self.quality();
-        let cells = Guide::new(frame, views, lobe_width, quality.fineness).cells(quality.max_cells);
-        let smallest = cells.iter().map(Cell::solid_angle).fold(f32::INFINITY, f32::min);
-        let per_cell = |c: &Cell| {
-            let larger = (c.solid_angle() / smallest).sqrt().clamp(1.0, 4.0);
-            (quality.rays_per_cell as f32 * larger).round() as u32
-        };
-        cells.into_iter().map(|c| (c, per_cell(&c))).collect()
+        let guide = Guide::new(frame, views, lobe_width, quality.fineness);
+        guide.cells_with_rays(quality.max_cells, quality.rays_per_cell)
     }
 }
 

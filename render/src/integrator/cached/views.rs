@@ -1,8 +1,7 @@
 //! The views that will read a record: those of pixels about it, and through all of a lens.
 
-use super::build::Builder;
 use super::points::Point;
-use crate::cache::RadiusPolicy;
+use crate::cache::{Grid, RadiusPolicy};
 use crate::hemisphere::View;
 use glam::Vec3A;
 
@@ -32,11 +31,22 @@ pub(super) const RIM_VIEWS: usize = 8;
 /// Largest angle between the mirror directions of a record's views, in lobe widths.
 const MAX_SPREAD: f32 = 5.0;
 
-impl Builder<'_> {
+/// What the pixels of a picture show, and through what lens.
+#[derive(Clone, Copy)]
+pub(super) struct Pixels<'a> {
+    /// What the middle of every pixel shows.
+    pub points: &'a [Option<Point>],
+    /// Their rows and columns.
+    pub grid: Grid,
+    /// Points of the rim of the lens.
+    pub rim: &'a [Vec3A],
+}
+
+impl Pixels<'_> {
     /// Views of the same surface that will read the record of pixel `i`, and how far they reach in pixels: less where the
     /// surface is so curved that its mirror directions leave the region that a record can hold finely.
-    pub(super) fn views(&self, point: &Point, i: usize, lobe_width: f32) -> (Vec<View>, f32) {
-        let RadiusPolicy { min_pixels, max_pixels, .. } = self.quality.glossy;
+    pub fn views(&self, point: &Point, i: usize, reach: RadiusPolicy, lobe_width: f32) -> (Vec<View>, f32) {
+        let RadiusPolicy { min_pixels, max_pixels, .. } = reach;
         let mut reach = max_pixels;
         loop {
             let views = self.views_within(point, i, reach);

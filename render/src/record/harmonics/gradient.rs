@@ -31,11 +31,11 @@ pub(super) struct Patch {
 /// Derivatives along one axis, per unit of length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Change {
-    /// Of the solid angle, over the solid angle.
+    /// Derivative of the solid angle, over the solid angle.
     pub solid_angle: f32,
-    /// Of the height z; over z in the hemispherical basis, whose slopes are infinite at the horizon.
+    /// Derivative of the height z; over z in the hemispherical basis, whose slopes are infinite at the horizon.
     pub height: f32,
-    /// Of the azimuth, radian.
+    /// Derivative of the azimuth, radian.
     pub azimuth: f32,
 }
 

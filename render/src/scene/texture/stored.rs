@@ -5,7 +5,8 @@
 
 use super::super::Rgb;
 use super::bitmap::Taps;
-use crate::image::{Raster, Samples, from_srgb, half};
+use crate::color::from_srgb;
+use crate::image::{Raster, Samples, half};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -89,7 +90,7 @@ enum LookUp {
 }
 
 impl LookUp {
-    /// Of samples that stand for `value` each.
+    /// The colour of a texel whose samples stand for `value` each.
     #[inline(always)]
     fn of<T: Copy>(self, pixel: &[T], value: impl Fn(T) -> f32) -> Rgb {
         let at = |channel: usize| value(pixel[channel]);

@@ -1,10 +1,9 @@
 //! What a cache file was made for.
 
 use super::super::Settings;
-use super::super::kind::{EachKind, Listed};
-use super::super::kinds::{self, COUNT};
+use super::super::kinds::{self, COUNT, EachKind, Listed};
 use super::super::policy::Policy;
-use super::CacheFileError;
+use super::error::CacheFileError;
 use crate::cache::Spacing;
 use crate::record::eas::Estimator;
 use crate::scene::checksum::{Checksums, Hash};
@@ -30,7 +29,7 @@ pub(super) struct Header {
     indirect_only: bool,
     pub(super) coarse: u64,
     pub(super) irradiance: u64,
-    /// Of each kind, in the order of the list.
+    /// Number of records of each kind, in the order of the list.
     pub(super) glossy: [u64; COUNT],
 }
 

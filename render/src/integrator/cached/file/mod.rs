@@ -4,19 +4,21 @@
 //! before it. Irradiance records are 28 f32, the coarse ones first; then come the records of each kind, as its `file.rs`
 //! says.
 
+mod error;
 mod header;
 mod reader;
 
 use super::Settings;
 use super::caches::Caches;
-use super::kind::{EachKind, Listed};
-use super::kinds::{self, GlossyCaches};
+pub use super::caches::Loaded;
+use super::kinds::{self, EachKind, GlossyCaches, Listed};
 use super::policy::Policy;
 use crate::record::irradiance::IrradianceRecord;
 use crate::world::World;
 use core::convert::Infallible;
+pub use error::CacheFileError;
 use header::{Header, MAX_HEADER};
-use kit::output::{self, OutputError};
+use kit::output;
 pub use reader::{Reader, write_numbers, write_words};
 use std::io::Read;
 use std::path::Path;
@@ -25,31 +27,6 @@ const MAGIC: &[u8; 8] = b"BURNREC\n";
 const VERSION: u32 = 5;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
-
-/// Why a cache file is of no use.
-#[derive(Debug, thiserror::Error)]
-pub enum CacheFileError {
-    /// It cannot be read.
-    #[error("{0}")]
-    Io(#[from] std::io::Error),
-    /// It cannot be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// It is not a cache file, or damaged.
-    #[error("not a cache file, or a damaged one: {0}; remove it to fill a new one")]
-    Format(&'static str),
-    /// It belongs to something else.
-    #[error("the cache was filled for another {0}; remove it, or name another file")]
-    Stale(&'static str),
-}
-
-/// Caches that were read, and whether they are all that the camera needs.
-pub struct Loaded {
-    /// The records.
-    pub caches: Caches,
-    /// Whether camera, τ and spacing are those the file was made for.
-    pub complete: bool,
-}
 
 /// Writes caches: the file appears whole or not at all.
 ///

@@ -1,6 +1,6 @@
 //! The bytes of records.
 
-use super::CacheFileError;
+use super::error::CacheFileError;
 
 /// What is left of a file.
 pub struct Reader<'a> {

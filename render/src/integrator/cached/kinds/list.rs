@@ -1,9 +1,9 @@
 //! All that has a part for each kind of glossy records, made from their list.
 
-/// A line: name of the field, type of the kind, and what a method that asks for it must tell besides.
+/// A line: name of the field, type of the kind, and what a method that asks for it must tell besides, if anything.
 macro_rules! kinds {
-    ($($(#[$attribute:meta])* $name:ident: $Kind:ident $(($settings:ty))?,)*) => {
-        use super::kind::{Description, EachKind, GlossyKind, KindFigures, Listed, WithKind};
+    ($($(#[$attribute:meta])* $name:ident: $Kind:ident $(($bound:ident: $settings:ty))?,)*) => {
+        use super::kind::{Asked, GlossyKind, KindFigures};
         use crate::cache::Cache;
         use brdf_tables::brdf::Specular;
         use brdf_tables::material::Material as Recipe;
@@ -58,6 +58,13 @@ macro_rules! kinds {
 
         $($(#[$attribute])*
         impl Listed for $Kind {
+            #[allow(unused_variables, reason = "a kind without settings")]
+            fn alone(tolerance: f32) -> Allowed {
+                Allowed::$Kind $(({
+                    let $bound: $settings = Self::settings(tolerance);
+                    $bound
+                }))?
+            }
             fn of(kinds: &Kinds) -> &Self {
                 &kinds.$name
             }
@@ -96,7 +103,13 @@ macro_rules! kinds {
         impl Kinds {
             /// Which kinds are among what is allowed.
             pub(super) fn ask(&mut self, allowed: &Allowed) -> PerKind<bool> {
-                PerKind { $($(#[$attribute])* $name: self.$name.ask(allowed),)* }
+                PerKind {
+                    $($(#[$attribute])* $name: self.$name.ask(match allowed {
+                        Allowed::$Kind $(($bound))? => Asked::Everywhere(($(*$bound)?)),
+                        Allowed::Auto => Asked::Paying,
+                        _ => Asked::No,
+                    }),)*
+                }
             }
 
             /// The first kind, of those asked for, that holds a specular part, and what the last that was asked says of it.

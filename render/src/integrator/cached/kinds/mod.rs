@@ -5,12 +5,14 @@ mod ambient;
 pub mod eas;
 pub mod harmonics;
 mod list;
+mod listed;
 
 use crate::record::harmonics::HarmonicsSettings;
+pub use listed::{Description, EachKind, Listed, WithKind};
 
 list::kinds! {
     eas: Eas,
-    harmonics: Harmonics(HarmonicsSettings),
+    harmonics: Harmonics(settings: HarmonicsSettings),
     #[cfg(test)]
     ambient: Ambient,
 }

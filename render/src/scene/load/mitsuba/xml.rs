@@ -112,11 +112,11 @@ struct Reader {
     /// Files being read, canonical: the outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
-    /// Of text, in all files.
+    /// Bytes of text, in all files.
     bytes: usize,
     /// Bytes of values that parameters were put into.
     substituted: usize,
-    /// Of the outermost file.
+    /// Version of the outermost file.
     version: Version,
     warnings: Vec<String>,
 }

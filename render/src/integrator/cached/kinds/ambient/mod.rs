@@ -4,10 +4,10 @@
 mod tests;
 
 use crate::bsdf::{Parts, Split};
-use crate::cache::Cache;
+use crate::cache::{Cache, FOUND};
+use crate::hemisphere::nearest;
 use crate::integrator::cached::file::{CacheFileError, Reader, write_numbers, write_words};
-use crate::integrator::cached::kind::{FOUND, Found, GlossyKind, KindFigures, Shaded};
-use crate::integrator::cached::kinds::Allowed;
+use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::integrator::cached::site::Site;
 use crate::record::{Receiver, Record, Zone};
@@ -53,16 +53,15 @@ impl GlossyKind for Ambient {
     const TABLES: bool = false;
     const SALT: u64 = 5;
 
+    type Settings = ();
     type Record = AmbientRecord;
     type Held = ();
     type Scratch = ();
 
-    fn alone(_: f32) -> Allowed {
-        Allowed::Ambient
-    }
+    fn settings(_: f32) {}
 
-    fn ask(&mut self, allowed: &Allowed) -> bool {
-        *allowed == Allowed::Ambient
+    fn ask(&mut self, asked: Asked<()>) -> bool {
+        asked == Asked::Everywhere(())
     }
 
     fn hold<E>(
@@ -92,8 +91,7 @@ impl GlossyKind for Ambient {
         let mut gather = site.gather(Self::SALT);
         let samples = gather.uniform(&frame, quality.irradiance_rays);
         let light: Rgb = samples.iter().map(|s| s.radiance * s.solid_angle).sum();
-        let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
-        let radius = quality.glossy.radius(1.0 / nearest, site.point().footprint);
+        let radius = quality.glossy.radius(nearest(&samples), site.point().footprint);
         let zone = Zone { radius, ..site.zone(&frame) };
         Some((AmbientRecord { zone, radiance: light / TAU }, gather.counts))
     }

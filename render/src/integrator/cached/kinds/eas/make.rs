@@ -4,20 +4,14 @@ use super::{Eas, GlossyKind, Held};
 use crate::bsdf::Parts;
 use crate::cache::RadiusPolicy;
 use crate::color::luminance;
-use crate::hemisphere::{GatherSample, View, hemisphere_directions};
+use crate::hemisphere::{GatherSample, hemisphere_directions, nearest, view_directions};
 use crate::integrator::cached::points::Point;
 use crate::integrator::cached::site::Site;
 use crate::record::eas::{EasRecord, Estimator};
-use crate::record::{Centroid, Hessian, Receiver, Record, Reflector, Scratch, Tree, cut};
+use crate::record::{Centroid, Receiver, Record, Reflector, Scratch, Tree, cut};
 use crate::world::Counts;
 use glam::Vec3A;
 use std::cell::RefCell;
-
-/// Step of the differences of the Hessian, over the radius by distance.
-const STEP: f32 = 0.25;
-
-/// Views lower than this (cosine) see too little of a record to be asked.
-const LOWEST_VIEW: f32 = 0.02;
 
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
@@ -43,19 +37,16 @@ impl Eas {
                 let (views, pixels) = site.views(lobe.width);
                 reach = pixels;
                 let cells = site.guided_cells(&frame, &views, lobe.width);
-                let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
                 let mut samples = gather.cells(&frame, &cells);
-                let tree = Tree::new(&mut samples, most as usize, Centroid::Direction);
-                let local = |v: &View| frame.to_local(v.wo);
-                (samples, tree, views.iter().map(local).filter(|d| d.z > LOWEST_VIEW).collect())
+                let tree = Tree::of_cells(&mut samples, &cells);
+                (samples, tree, view_directions(&frame, &views))
             }
         };
         let cut = cut(&tree, &reflector, &directions, &quality.cut);
-        let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
         let point = site.point();
         let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
         let policy = RadiusPolicy { max_pixels: reach, ..quality.glossy };
-        record.set_radius(self.radius(held, &record, (site, point, &parts), 1.0 / nearest, policy));
+        record.set_radius(self.radius(held, &record, (site, point, &parts), nearest(&samples), policy));
         samples.shrink_to_fit();
         Some((record, samples, gather.counts))
     }
@@ -71,17 +62,14 @@ impl Eas {
         policy: RadiusPolicy,
     ) -> f32 {
         let quality = site.quality();
-        let radius = policy.radius(nearest, point.footprint);
         if !quality.spacing.hessian {
-            return radius;
+            return policy.radius(nearest, point.footprint);
         }
-        let step = STEP * radius;
         let reflected = |x: f32, y: f32| {
             let position = point.at.p + point.frame.to_world(Vec3A::new(x, y, 0.0));
             let at = Receiver { position, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
             luminance(SCRATCH.with_borrow_mut(|scratch| self.light(held, record, parts, &at, quality, scratch)))
         };
-        let bound = Hessian::of(step, reflected).radius(reflected(0.0, 0.0), quality.curvature);
-        policy.bounded(bound.min(nearest), point.footprint)
+        policy.by_bending(nearest, point.footprint, quality.curvature, reflected)
     }
 }

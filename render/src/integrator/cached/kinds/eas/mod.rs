@@ -5,12 +5,11 @@ mod make;
 mod shade;
 mod want;
 
-use super::Allowed;
 use crate::bsdf::Parts;
 use crate::cache::Cache;
 use crate::color::mean_radiance;
 use crate::integrator::cached::file::{CacheFileError, Reader};
-use crate::integrator::cached::kind::{Found, GlossyKind, KindFigures, Shaded};
+use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::integrator::cached::site::Site;
 use crate::record::eas::EasRecord;
@@ -39,18 +38,20 @@ impl GlossyKind for Eas {
     const TABLES: bool = true;
     const SALT: u64 = 3;
 
+    type Settings = ();
     type Record = EasRecord;
     type Held = Held;
     type Scratch = Scratch;
 
-    fn alone(_: f32) -> Allowed {
-        Allowed::Eas
-    }
+    fn settings(_: f32) {}
 
-    fn ask(&mut self, allowed: &Allowed) -> bool {
-        let sharpest = Sharpness::of(allowed);
-        self.sharpest = sharpest.unwrap_or_default();
-        sharpest.is_some()
+    fn ask(&mut self, asked: Asked<()>) -> bool {
+        self.sharpest = match asked {
+            Asked::Everywhere(()) => Sharpness::Any,
+            Asked::Paying => Sharpness::Paying,
+            Asked::No => return false,
+        };
+        true
     }
 
     fn hold<E>(

@@ -1,7 +1,6 @@
 //! Which materials are cached with EAS: those whose lobe a table holds, where asked for only those wide enough to pay.
 
 use super::Eas;
-use crate::integrator::cached::kinds::Allowed;
 use crate::record::Albedo;
 use brdf_tables::brdf::Specular;
 use brdf_tables::material::Material as Recipe;
@@ -39,17 +38,6 @@ pub enum Sharpness {
     Any,
     /// As sharp as it pays.
     Paying,
-}
-
-impl Sharpness {
-    /// That of a method; `None` for one that makes no EAS.
-    pub(super) fn of(allowed: &Allowed) -> Option<Self> {
-        match allowed {
-            Allowed::Eas => Some(Self::Any),
-            Allowed::Auto => Some(Self::Paying),
-            _ => None,
-        }
-    }
 }
 
 /// Lobes at least this wide (n ≤ 700) are cached; those narrower than [`TRACED_WIDTH`] (n ≥ 1000) are traced.

@@ -3,7 +3,7 @@
 use super::{GlossyKind, Harmonics, Held};
 use crate::cache::RadiusPolicy;
 use crate::frame::Frame;
-use crate::hemisphere::View;
+use crate::hemisphere::{View, nearest};
 use crate::integrator::cached::site::Site;
 use crate::record::harmonics::{HarmonicBrdf, HarmonicsRecord};
 use crate::world::Counts;
@@ -19,9 +19,8 @@ impl Harmonics {
         let (views, reach) = site.views(width);
         let mut gather = site.gather(Self::SALT);
         let samples = gather.cells_uniform(&frame, &site.guided_cells(&frame, &views, width));
-        let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
         let policy = RadiusPolicy { max_pixels: reach, ..site.quality().glossy };
-        let radius = policy.radius(1.0 / nearest, point.footprint);
+        let radius = policy.radius(nearest(&samples), point.footprint);
         let order = order_for(brdf, &frame, &views);
         let record = HarmonicsRecord::new(point.at.p, &frame, radius, point.material.0, &samples, order, settings);
         Some((record, gather.counts))

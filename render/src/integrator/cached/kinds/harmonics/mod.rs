@@ -5,11 +5,10 @@ mod make;
 mod shade;
 mod want;
 
-use super::Allowed;
 use crate::bsdf::Parts;
 use crate::cache::Cache;
 use crate::integrator::cached::file::{CacheFileError, Reader};
-use crate::integrator::cached::kind::{Found, GlossyKind, KindFigures, Shaded};
+use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::integrator::cached::site::Site;
 use crate::record::Receiver;
@@ -42,16 +41,20 @@ impl GlossyKind for Harmonics {
     const TABLES: bool = false;
     const SALT: u64 = 4;
 
+    type Settings = HarmonicsSettings;
     type Record = HarmonicsRecord;
     type Held = Held;
     type Scratch = Functions;
 
-    fn alone(tolerance: f32) -> Allowed {
-        Allowed::Harmonics(HarmonicsSettings::new(Basis::default(), Gradients::default(), tolerance, None))
+    fn settings(tolerance: f32) -> HarmonicsSettings {
+        HarmonicsSettings::new(Basis::default(), Gradients::default(), tolerance, None)
     }
 
-    fn ask(&mut self, allowed: &Allowed) -> bool {
-        self.projection = if let Allowed::Harmonics(settings) = allowed { Some(*settings) } else { None };
+    fn ask(&mut self, asked: Asked<HarmonicsSettings>) -> bool {
+        self.projection = match asked {
+            Asked::Everywhere(settings) => Some(settings),
+            Asked::Paying | Asked::No => None,
+        };
         self.projection.is_some()
     }
 

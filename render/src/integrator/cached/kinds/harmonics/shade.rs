@@ -2,9 +2,9 @@
 
 use super::{Functions, Harmonics, Held};
 use crate::bsdf::{Parts, Split};
-use crate::cache::Cache;
+use crate::cache::{Cache, FOUND};
 use crate::color::mean_radiance;
-use crate::integrator::cached::kind::{FOUND, Found, Shaded};
+use crate::integrator::cached::kind::{Found, Shaded};
 use crate::integrator::cached::settings::Quality;
 use crate::record::harmonics::HarmonicsRecord;
 use crate::record::{Receiver, Record, Reflected};

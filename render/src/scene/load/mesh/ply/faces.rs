@@ -131,7 +131,7 @@ struct Wedges {
     corners: Corners<[u32; 2]>,
     vertices: Vec<u32>,
     claimed: Vec<bool>,
-    /// Of the face being read.
+    /// Texture coordinates of the face being read.
     uvs: Vec<f32>,
     face: Vec<u32>,
     first_texture: Option<f64>,
