@@ -3,7 +3,7 @@
 use crate::subjects::{names, subject};
 use divan::{Bencher, counter::ItemsCount};
 use glam::{Affine2, Mat3A, Vec2, Vec3A};
-use render::light::Receiver;
+use render::light::LightSampleContext;
 use render::sampler::{Sampler, Scrambles};
 use render::scene::{
     Bitmap, ColorTexture, Distribution, EnvironmentMap, FloatTexture, Interpolation, Material, MaterialId, Rgb, Rows,
@@ -118,7 +118,7 @@ fn light(bencher: Bencher, name: &str) {
         let mut sum = 0.0;
         for (i, at) in surfaces.iter().enumerate() {
             let [choice, u, ..] = Sampler::new(0, (0, 0), i as u32).next_4x2d(&mut scrambles);
-            let receiver = Receiver { p: at.p, normal: at.shading_normal, one_sided: true };
+            let receiver = LightSampleContext { p: at.p, normal: at.shading_normal, one_sided: true };
             sum += world.lights.sample(&world.scene.textures, &receiver, choice.x, u).map_or(0.0, |s| s.pdf);
         }
         sum
@@ -157,7 +157,7 @@ fn under_a_sky() -> World {
 #[divan::bench]
 fn sky_sample(bencher: Bencher) {
     let (world, places) = (under_a_sky(), places());
-    let receiver = Receiver { p: Vec3A::ZERO, normal: Vec3A::Y, one_sided: true };
+    let receiver = LightSampleContext { p: Vec3A::ZERO, normal: Vec3A::Y, one_sided: true };
     let sample = |u: &Vec2| world.lights.sample(&world.scene.textures, &receiver, 0.1, *u).map_or(0.0, |s| s.pdf);
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| places.iter().map(sample).sum::<f32>());
 }
@@ -167,7 +167,7 @@ fn sky_sample(bencher: Bencher) {
 fn sky_look_up(bencher: Bencher) {
     let world = under_a_sky();
     let directions: Vec<_> = places().into_iter().map(render::frame::uniform_sphere).collect();
-    let receiver = Receiver { p: Vec3A::ZERO, normal: Vec3A::Y, one_sided: true };
+    let receiver = LightSampleContext { p: Vec3A::ZERO, normal: Vec3A::Y, one_sided: true };
     let look_up = |d: &Vec3A| world.lights.environment_with_pdf(&receiver, *d).1;
     bencher.counter(ItemsCount::new(directions.len())).bench_local(|| directions.iter().map(look_up).sum::<f32>());
 }

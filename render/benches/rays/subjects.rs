@@ -1,7 +1,7 @@
 //! Scenes, and the rays that a path tracer sends through them.
 
 use render::camera::RayGenerator;
-use render::light::{Receiver, Target};
+use render::light::{LightSampleContext, Target};
 use render::ray::Ray;
 use render::sampler::{Sampler, Scrambles};
 use render::scene::load::{Options, load};
@@ -114,7 +114,7 @@ fn follow(subject: &mut Subject, mut ray: Ray, sampler: &mut Sampler, scrambles:
 
 fn shadow_ray(world: &World, at: &Interaction, choice: f32, u: glam::Vec2) -> Option<Ray> {
     let bsdf = world.bsdf(at);
-    let receiver = Receiver { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
+    let receiver = LightSampleContext { p: at.p, normal: bsdf.normal(), one_sided: bsdf.only_reflects() };
     let light = world.lights.sample(&world.scene.textures, &receiver, choice, u)?;
     Some(match light.target {
         Target::Point { p, clearance } => at.spawn_to(p, clearance),

@@ -124,11 +124,16 @@ pub(super) fn grow(primitives: &mut [Primitive]) -> Vec<Bvh2Node> {
     for (node, part) in grown.collect::<Vec<_>>() {
         // The root of a part takes the place that was kept for it.
         let offset = nodes.len() as u32 - 1;
-        let moved = |n: &Bvh2Node| if n.is_leaf() { *n } else { Bvh2Node::new(*n.aabb(), 0, n.first_index + offset) };
-        nodes[node] = moved(&part[0]);
-        nodes.extend(part[1..].iter().map(moved));
+        let mut part = part.into_iter().map(|n| moved(n, offset));
+        nodes[node] = part.next().expect("a tree has a root");
+        nodes.extend(part);
     }
     nodes
+}
+
+/// A node whose children stand `offset` places further back.
+fn moved(node: Bvh2Node, offset: u32) -> Bvh2Node {
+    if node.is_leaf() { node } else { Bvh2Node::new(*node.aabb(), 0, node.first_index + offset) }
 }
 
 /// Adds the tree over a set. `keep` is asked about every set that is to be split, with its node, and may take it away.
