@@ -30,6 +30,34 @@ pub struct Pixel {
     pub pass_squares: Rgb,
     /// Number of samples that met a surface.
     pub surfaces: u32,
+    /// Number of samples whose indirect light came from records, which have no noise.
+    pub held: f32,
+    /// Direct and indirect light of the first half of the samples.
+    pub half: [[f32; 3]; 2],
+}
+
+impl Pixel {
+    /// Adds the light of a sample; `first` tells its half.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, sample: Radiance, first: bool) {
+        if first {
+            self.add_to_half([sample.direct.sum(), sample.indirect.sum()]);
+        }
+        self.sum += sample;
+    }
+
+    /// Adds direct and indirect light of samples of the first half, which is in the sum on its own.
+    #[inline(always)]
+    pub(crate) fn add_to_half(&mut self, light: [Rgb; 2]) {
+        for (sum, light) in self.half.iter_mut().zip(light) {
+            *sum = (Rgb::from_array(*sum) + light).to_array();
+        }
+    }
+}
+
+/// Samples of the first half, of so many.
+pub(crate) fn first_half(spp: u32) -> u32 {
+    spp.div_ceil(2)
 }
 
 /// A rendering.
@@ -49,6 +77,8 @@ pub struct Picture {
     pub passes: u32,
     /// Rays, and how many paths were dropped.
     pub counts: Counts,
+    /// The whole light without its noise, by pixel, where a [`crate::denoise::Denoiser`] has been at work.
+    pub denoised: Option<Vec<[f32; 3]>>,
 }
 
 /// Radiance along a ray, by the way the light took, and what the ray meets first.
