@@ -90,9 +90,9 @@ pub struct Radiance {
     pub direct: Split,
     /// Scattered more than once; by the part of the first surface.
     pub indirect: Split,
-    /// Reflectance of the first surface.
+    /// Reflectance of the first surface that is not perfectly specular, as mirrors and clear glass show it.
     pub albedo: Rgb,
-    /// Unit shading normal of the first surface, towards the eye; zero without surface.
+    /// Its unit shading normal, towards where the light goes; zero without surface.
     pub normal: Vec3A,
     /// Distance to the first surface; 0 without surface.
     pub distance: f32,
@@ -145,13 +145,17 @@ const EXR_BYTES: u64 = 28 * 4 * 3;
 /// Bytes of the surfaces that a cached rendering keeps of a pixel, about: a lens shows more of them.
 const SURFACE_BYTES: [u64; 2] = [1024, 3072];
 
-/// Refuses a film for which there is not enough memory, with caches and with a lens or without.
+/// Bytes of the layers of a pixel while it is denoised, and what comes of them.
+const DENOISE_BYTES: u64 = 200;
+
+/// Refuses a film for which there is not enough memory, with caches, with a lens and with a denoiser or without.
 ///
 /// # Errors
 /// One line with what it needs and what there is.
-pub fn require_memory(camera: &Camera, cached: bool, lens: bool) -> Result<(), String> {
+pub fn require_memory(camera: &Camera, cached: bool, lens: bool, denoised: bool) -> Result<(), String> {
     let Crop { width, height, .. } = camera.film.window();
-    let pixel = size_of::<Pixel>() as u64 + if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
+    let work = if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
+    let pixel = size_of::<Pixel>() as u64 + work + if denoised { DENOISE_BYTES } else { 0 };
     let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
     memory::require(&format!("a film of {width} × {height} pixels"), need)
         .map_err(|what| format!("{what}; choose a smaller one with --width, or a part of it with --crop"))

@@ -71,7 +71,8 @@ impl Job {
         view::change(&mut scene.camera, args.width, args.height, args.crop);
         look::check_size(&args.output, &scene.camera.film)?;
         let lens = args.optics.check(&scene.camera)?;
-        require_memory(&scene.camera, args.method != Method::Path, lens).map_err(Error::msg).with_context(place)?;
+        let memory = require_memory(&scene.camera, args.method != Method::Path, lens, denoiser.is_some());
+        memory.map_err(Error::msg).with_context(place)?;
         scene.integrator.hide_environment = args.looking.transparent;
         scene.integrator.soft_terminator = args.soft_terminator;
         if let Some(depth) = args.max_depth {

@@ -87,7 +87,11 @@ impl Denoiser {
     /// # Errors
     /// A library that fails.
     pub fn plan(&self, pixels: u64, seconds: Option<f64>) -> Result<Plan, DenoiseError> {
-        self.rate.plan(pixels, seconds, |side| self.run(&Layers::example(side), Effort::Low).map(drop))
+        let plan = self.rate.plan(pixels, seconds.filter(|_| !self.is_builtin()), |side| {
+            self.run(&Layers::example(side), Effort::Low).map(drop)
+        })?;
+        // Our own has one way only.
+        Ok(if self.is_builtin() { plan.with(Effort::Low) } else { plan })
     }
 
     /// Takes the noise out of a picture: sets [`Picture::denoised`]. The noisy light stays as it is. Tells how much of it the
@@ -100,9 +104,14 @@ impl Denoiser {
     pub fn denoise(&self, picture: &mut Picture, effort: Effort) -> Result<Bounded, DenoiseError> {
         let mut layers = Layers::new(picture);
         let bounded = fireflies::bound(&mut layers);
+        let effort = if self.is_builtin() { Effort::Low } else { effort };
         let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;
         picture.denoised = Some(layers.merge(picture, &light));
         Ok(bounded)
+    }
+
+    fn is_builtin(&self) -> bool {
+        matches!(self.kind, Kind::Builtin)
     }
 
     /// Direct and indirect light without noise; `None` where a layer is black.

@@ -46,6 +46,13 @@ pub struct Plan {
     pub seconds: f64,
 }
 
+impl Plan {
+    /// The same picture at another effort.
+    pub(super) fn with(self, effort: Effort) -> Self {
+        Self { effort, seconds: self.seconds * effort.cost(LAYERS) / self.effort.cost(LAYERS) }
+    }
+}
+
 /// What is set aside for a guess that is too low.
 const MARGIN: f64 = 1.15;
 

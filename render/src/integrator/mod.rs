@@ -1,6 +1,7 @@
 //! Estimators of the radiance along a ray.
 
 pub mod cached;
+mod guides;
 mod media;
 mod path;
 mod simple;

@@ -1,10 +1,10 @@
 //! The path tracer: the truth the caches are judged by, and their rival. The rays that fill them are those of [`super::cached::IncidentTracer`].
 
 use super::media::Media;
-use super::{Integrator, Radiance};
+use super::{Integrator, Radiance, guides};
 use crate::bsdf::{Bsdf, Split};
 use crate::light::{Receiver, Target, power_heuristic};
-use crate::ray::{Hit, Ray};
+use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
 use crate::world::{Interaction, Queries, World};
@@ -40,6 +40,8 @@ struct Path {
     previous: Option<Previous>,
     /// The glasses around it.
     media: Media,
+    /// Whether all surfaces so far are perfectly specular: the pixel shows what comes next.
+    straight: bool,
 }
 
 impl Path {
@@ -65,6 +67,7 @@ impl Integrator for PathTracer {
             eta: 1.0,
             previous: None,
             media: Media::NONE,
+            straight: true,
         };
         let mut ray = ray;
         let mut segments = 0;
@@ -78,10 +81,21 @@ impl Integrator for PathTracer {
                 if counts && !(segments == 1 && self.settings.hide_environment) {
                     let light = environment(world, &ray, &path);
                     path.add(segments, light);
+                    if path.straight && segments > 1 {
+                        guides::show_light(&mut path.out, light);
+                    }
                 }
                 break;
             }
             let at = world.interaction(&ray, &hit);
+            let bsdf = world.bsdf(&at);
+            if segments == 1 {
+                path.out.distance = hit.t;
+            }
+            if path.straight {
+                guides::show(&mut path.out, &at, &bsdf, path.throughput);
+                path.straight = bsdf.is_delta();
+            }
             if let Some(emitter) = at.emitter
                 && counts
             {
@@ -89,14 +103,7 @@ impl Integrator for PathTracer {
                 path.add(segments, light);
             }
             if segments == self.settings.max_depth {
-                if segments == 1 {
-                    note_surface(&mut path.out, &at, &world.bsdf(&at), &hit);
-                }
                 break;
-            }
-            let bsdf = world.bsdf(&at);
-            if segments == 1 {
-                note_surface(&mut path.out, &at, &bsdf, &hit);
             }
             path.throughput *= path.media.left_before(world, &at, &bsdf);
             // Sample the lights.
@@ -131,14 +138,6 @@ impl Integrator for PathTracer {
         }
         path.out
     }
-}
-
-/// Albedo, normal and distance of the first surface.
-fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
-    out.albedo = bsdf.albedo();
-    let n = bsdf.normal();
-    out.normal = if n.dot(at.wo) < 0.0 { -n } else { n };
-    out.distance = hit.t;
 }
 
 /// Light from infinity along a ray that meets nothing.

@@ -14,6 +14,7 @@ use super::surface::{Grouping, Surface};
 use crate::bsdf::{Bsdf, Split};
 use crate::color::mean_radiance;
 use crate::frame::Frame;
+use crate::integrator::guides;
 use crate::light::Lights;
 use crate::picture::{Radiance, first_half};
 use crate::ray::Ray;
@@ -107,16 +108,12 @@ impl Shader<'_> {
         let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
-        let mut first = None;
         let seen = see(world, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
             let light = emission(world, &world.lights, at, None) * throughput;
+            guides::show(&mut out, at, &world.bsdf(at), throughput);
             match segments {
                 1 => {
-                    first = Some((
-                        at.p,
-                        at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)),
-                        world.bsdf(at).albedo(),
-                    ));
+                    out.distance = (at.p - ray.origin).length();
                     if !settings.hide_emitters {
                         emitted += light;
                     }
@@ -124,16 +121,15 @@ impl Shader<'_> {
                 _ => through_mirrors += light,
             }
         });
-        if let Some((p, normal, albedo)) = first {
-            out.distance = (p - ray.origin).length();
-            (out.normal, out.albedo) = (normal, albedo);
-        }
         if let Seen::Nothing { direction, throughput, segments } = seen {
             let light = environment(&world.lights, direction, None) * throughput;
             match segments {
                 1 if settings.hide_emitters || settings.hide_environment => (),
                 1 => emitted += light,
-                _ => through_mirrors += light,
+                _ => {
+                    through_mirrors += light;
+                    guides::show_light(&mut out, light);
+                }
             }
         }
         // One mirror on the way makes emission direct light, more make it indirect: Mitsuba counts segments.
