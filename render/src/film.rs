@@ -2,7 +2,7 @@
 
 use crate::camera::RayGenerator;
 use crate::integrator::Integrator;
-use crate::picture::{Budget, Picture, Pixel};
+use crate::picture::{Budget, Picture, Pixel, first_half};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::simd::widest;
@@ -40,6 +40,7 @@ pub fn render<I: Integrator>(
         spp: 0,
         passes: 0,
         counts: Counts::default(),
+        denoised: None,
     };
     let start = Instant::now();
     let level = Level::new();
@@ -94,6 +95,7 @@ fn sample_pixel<I: Integrator>(
     queries: &mut Queries,
 ) {
     let count = indices.len() as f32;
+    let middle = indices.start + first_half(indices.end) - first_half(indices.start);
     let mut pass = Rgb::ZERO;
     let of_pixel = Sampler::new(seed, (x, y), 0);
     for index in indices {
@@ -108,7 +110,7 @@ fn sample_pixel<I: Integrator>(
         let light = sample.sum();
         pixel.squares += (light.element_sum() * (1.0 / 3.0)).powi(2);
         pass += light;
-        pixel.sum += sample;
+        pixel.add(sample, index < middle);
     }
     pixel.pass_squares += pass * pass / count;
 }

@@ -5,6 +5,7 @@ pub mod bvh;
 pub mod cache;
 pub mod camera;
 pub mod color;
+pub mod denoise;
 pub mod film;
 pub mod frame;
 pub mod glossy;

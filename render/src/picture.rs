@@ -30,6 +30,34 @@ pub struct Pixel {
     pub pass_squares: Rgb,
     /// Number of samples that met a surface.
     pub surfaces: u32,
+    /// Number of samples whose indirect light came from records, which have no noise.
+    pub held: f32,
+    /// Direct and indirect light of the first half of the samples.
+    pub half: [[f32; 3]; 2],
+}
+
+impl Pixel {
+    /// Adds the light of a sample; `first` tells its half.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, sample: Radiance, first: bool) {
+        if first {
+            self.add_to_half([sample.direct.sum(), sample.indirect.sum()]);
+        }
+        self.sum += sample;
+    }
+
+    /// Adds direct and indirect light of samples of the first half, which is in the sum on its own.
+    #[inline(always)]
+    pub(crate) fn add_to_half(&mut self, light: [Rgb; 2]) {
+        for (sum, light) in self.half.iter_mut().zip(light) {
+            *sum = (Rgb::from_array(*sum) + light).to_array();
+        }
+    }
+}
+
+/// Samples of the first half, of so many.
+pub(crate) fn first_half(spp: u32) -> u32 {
+    spp.div_ceil(2)
 }
 
 /// A rendering.
@@ -49,6 +77,8 @@ pub struct Picture {
     pub passes: u32,
     /// Rays, and how many paths were dropped.
     pub counts: Counts,
+    /// The whole light without its noise, by pixel, where a [`crate::denoise::Denoiser`] has been at work.
+    pub denoised: Option<Vec<[f32; 3]>>,
 }
 
 /// Radiance along a ray, by the way the light took, and what the ray meets first.
@@ -60,9 +90,9 @@ pub struct Radiance {
     pub direct: Split,
     /// Scattered more than once; by the part of the first surface.
     pub indirect: Split,
-    /// Reflectance of the first surface.
+    /// Reflectance of the first surface that is not perfectly specular, as mirrors and clear glass show it.
     pub albedo: Rgb,
-    /// Unit shading normal of the first surface, towards the eye; zero without surface.
+    /// Its unit shading normal, towards where the light goes; zero without surface.
     pub normal: Vec3A,
     /// Distance to the first surface; 0 without surface.
     pub distance: f32,
@@ -115,13 +145,17 @@ const EXR_BYTES: u64 = 28 * 4 * 3;
 /// Bytes of the surfaces that a cached rendering keeps of a pixel, about: a lens shows more of them.
 const SURFACE_BYTES: [u64; 2] = [1024, 3072];
 
-/// Refuses a film for which there is not enough memory, with caches and with a lens or without.
+/// Bytes of the layers of a pixel while it is denoised, and what comes of them.
+const DENOISE_BYTES: u64 = 200;
+
+/// Refuses a film for which there is not enough memory, with caches, with a lens and with a denoiser or without.
 ///
 /// # Errors
 /// One line with what it needs and what there is.
-pub fn require_memory(camera: &Camera, cached: bool, lens: bool) -> Result<(), String> {
+pub fn require_memory(camera: &Camera, cached: bool, lens: bool, denoised: bool) -> Result<(), String> {
     let Crop { width, height, .. } = camera.film.window();
-    let pixel = size_of::<Pixel>() as u64 + if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
+    let work = if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
+    let pixel = size_of::<Pixel>() as u64 + work + if denoised { DENOISE_BYTES } else { 0 };
     let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
     memory::require(&format!("a film of {width} × {height} pixels"), need)
         .map_err(|what| format!("{what}; choose a smaller one with --width, or a part of it with --crop"))

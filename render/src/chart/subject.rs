@@ -52,7 +52,7 @@ pub fn load_scene(plan: &Plan, path: &Path, reference: Option<&PathBuf>) -> Resu
     let (mut scene, warnings) = load::load(path, &plan.load)?;
     warnings.iter().for_each(|warning| eprintln!("render: warning: {warning}"));
     scene.camera.film.resize(plan.width, None);
-    require_memory(&scene.camera, true, scene.camera.lens.is_some())
+    require_memory(&scene.camera, true, scene.camera.lens.is_some(), false)
         .map_err(Error::msg)
         .with_context(|| path.display().to_string())?;
     let digest = digest(&scene, plan.indirect_only);

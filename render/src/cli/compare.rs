@@ -58,7 +58,7 @@ const NO_FLIP: &str = "flip is not in this build (feature `flip`)";
 fn judge(args: &Args, image: &Image, reference: &Image) -> Result<ZTest> {
     let Some(noise) = read_noise(&args.image)? else {
         bail!(
-            "{}: no variance layer; --z-test needs an EXR of `render image` with more than 16 samples per pixel",
+            "{}: no variance layer; --z-test needs an EXR of `render image`, not denoised, with more than 16 samples per pixel",
             args.image.display()
         );
     };

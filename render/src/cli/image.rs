@@ -2,6 +2,7 @@
 
 use super::caching;
 use super::choices::{BASES, ESTIMATORS, GRADIENTS, choices};
+use super::denoise::{self, Denoising};
 use super::job::{Engine, Job};
 use super::lens::Optics;
 use super::look::Looking;
@@ -75,7 +76,7 @@ pub struct Args {
     /// Samples per pixel [default: what the scene asks for].
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = whole(1..=1u32 << 22, ""))]
     pub(super) spp: Option<u32>,
-    /// Seconds for everything but loading.
+    /// Seconds for everything but loading, denoising included.
     #[arg(long, value_name = "SECONDS", conflicts_with = "error", value_parser = parse_time())]
     pub(super) time: Option<f64>,
     /// Stop at this relative error: the root of the estimated rel_mse.
@@ -90,6 +91,8 @@ pub struct Args {
     /// Render a part of the film only: x,y,width,height in pixels from the top left.
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     pub(super) crop: Option<Crop>,
+    #[command(flatten)]
+    pub(super) denoising: Denoising,
     #[command(flatten)]
     pub(super) optics: Optics,
     #[command(flatten)]
@@ -127,9 +130,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     options::check(args)?;
     outputs::check(args, &[])?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
-    let job = pool.install(|| Job::new(args))?;
+    let denoiser = args.denoising.open(args.time.is_some(), pool.current_num_threads())?;
+    let job = pool.install(|| Job::new(args, denoiser.as_ref()))?;
     let mut stats = Stats::new(args.method.name(), pool.current_num_threads(), start.elapsed());
-    let (picture, records) = match &job.engine {
+    let (mut picture, records) = match &job.engine {
         Engine::Traced => (pool.install(|| traced(&job, &mut stats)), None),
         Engine::Cached(caching) => {
             let (picture, records) = pool.install(|| caching::render(caching, &job.world, &mut stats))?;
@@ -140,8 +144,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(warning) = not_finite_warning(picture.counts.not_finite, picture.counts.paths) {
         eprintln!("render: warning: {warning}");
     }
+    let denoised = match (&denoiser, job.effort) {
+        (Some(denoiser), Some(effort)) => pool.install(|| denoise::apply(denoiser, effort, &mut picture, &mut stats)),
+        _ => Ok(()),
+    };
     outputs::write(args, &job, &picture, records.as_ref(), &mut stats, start)?;
-    Ok(ExitCode::SUCCESS)
+    denoised.map(|()| ExitCode::SUCCESS)
 }
 
 /// Renders by path tracing.

@@ -7,6 +7,7 @@ use super::outputs;
 use super::view;
 use anyhow::{Context, Error, Result};
 use render::cache::Spacing;
+use render::denoise::{Denoiser, Effort};
 use render::image::Look;
 use render::integrator::cached::policy::Allowed;
 use render::integrator::cached::{Settings, TOLERANCE};
@@ -16,7 +17,7 @@ use render::scene::Scene;
 use render::scene::load::{self, Loaded};
 use render::world::World;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// About what it takes to compress and write a pixel of each format; `--time` sets it aside.
 const EXR_SECONDS: f64 = 1.6e-6;
@@ -27,6 +28,8 @@ pub(super) struct Job {
     pub world: World,
     pub engine: Engine,
     pub budget: Budget,
+    /// How well to denoise, if at all.
+    pub effort: Option<Effort>,
     pub seed: u64,
     pub indirect_only: bool,
     /// How pictures for a screen look.
@@ -58,7 +61,7 @@ impl Job {
     ///
     /// # Errors
     /// One line: a scene that cannot be loaded, or an argument that does not fit it.
-    pub fn new(args: &Args) -> Result<Self> {
+    pub fn new(args: &Args, denoiser: Option<&Denoiser>) -> Result<Self> {
         let Loaded { mut scene, warnings, files, .. } = load::open(&args.scene, &args.reading.options()?)?;
         outputs::check(args, &files)?;
         for warning in warnings {
@@ -68,20 +71,22 @@ impl Job {
         view::change(&mut scene.camera, args.width, args.height, args.crop);
         look::check_size(&args.output, &scene.camera.film)?;
         let lens = args.optics.check(&scene.camera)?;
-        require_memory(&scene.camera, args.method != Method::Path, lens).map_err(Error::msg).with_context(place)?;
+        let memory = require_memory(&scene.camera, args.method != Method::Path, lens, denoiser.is_some());
+        memory.map_err(Error::msg).with_context(place)?;
         scene.integrator.hide_environment = args.looking.transparent;
         scene.integrator.soft_terminator = args.soft_terminator;
         if let Some(depth) = args.max_depth {
             scene.integrator.max_depth = depth;
         }
-        let budget = budget(args, &scene);
+        let (effort, denoising) = denoising(args, &scene, denoiser)?;
+        let budget = budget(args, &scene, denoising);
         let mut world = World::new(scene).with_context(place)?;
         if let Some(focus) = args.optics.apply(&mut world)? {
             eprintln!("render: focused at {focus}, on what the middle of the picture shows");
         }
         let engine = Engine::new(args, budget);
         let look = args.looking.look();
-        Ok(Self { world, engine, budget, seed: args.seed, indirect_only: args.indirect_only, look })
+        Ok(Self { world, engine, budget, effort, seed: args.seed, indirect_only: args.indirect_only, look })
     }
 }
 
@@ -109,7 +114,17 @@ impl Engine {
     }
 }
 
-fn budget(args: &Args, scene: &Scene) -> Budget {
+/// How well to denoise, and the seconds that it takes, with those of finding out.
+fn denoising(args: &Args, scene: &Scene, denoiser: Option<&Denoiser>) -> Result<(Option<Effort>, f64)> {
+    let Some(denoiser) = denoiser else { return Ok((None, 0.0)) };
+    let Some(seconds) = args.time else { return Ok((Some(Effort::High), 0.0)) };
+    let film = scene.camera.film.window();
+    let start = Instant::now();
+    let plan = denoiser.plan(u64::from(film.width) * u64::from(film.height), Some(seconds))?;
+    Ok((Some(plan.effort), plan.seconds + start.elapsed().as_secs_f64()))
+}
+
+fn budget(args: &Args, scene: &Scene, denoising: f64) -> Budget {
     match (args.spp, args.time, args.error) {
         (_, Some(seconds), _) => {
             let film = scene.camera.film.window();
@@ -117,7 +132,7 @@ fn budget(args: &Args, scene: &Scene) -> Budget {
             let exrs = args.output.iter().filter(exr).count();
             let per_pixel = EXR_SECONDS * exrs as f64 + SCREEN_SECONDS * (args.output.len() - exrs) as f64;
             let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
-            Budget::Time(Duration::from_secs_f64(seconds - writing.min(0.5 * seconds)))
+            Budget::Time(Duration::from_secs_f64(seconds - (writing + denoising).min(0.5 * seconds)))
         }
         (_, _, Some(error)) => Budget::Error(error),
         (spp, ..) => Budget::Samples(spp.unwrap_or(scene.integrator.spp)),

@@ -4,6 +4,7 @@ mod caching;
 mod chart;
 mod choices;
 mod compare;
+mod denoise;
 mod image;
 mod info;
 mod job;

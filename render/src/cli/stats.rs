@@ -1,5 +1,6 @@
 //! What `--stats` says of a run.
 
+use render::denoise::Bounded;
 use render::integrator::cached::Figures;
 use render::integrator::cached::kinds::{COUNT, KINDS};
 use render::picture::Picture;
@@ -18,6 +19,8 @@ pub(super) struct Stats {
     #[serde(flatten)]
     means: Means,
     negative_pixels: u64,
+    denoiser: &'static str,
+    fireflies: Fireflies,
     bytes_per_record: f64,
     cache_bytes: u64,
     spp: u32,
@@ -30,8 +33,16 @@ pub(super) struct Seconds {
     fit: f64,
     fill: f64,
     pub(super) shade: f64,
+    denoise: f64,
     pub(super) write: f64,
     pub(super) total: f64,
+}
+
+/// Light that the denoiser was not shown: pixels, and share of the light that surfaces scatter.
+#[derive(Debug, Default, Serialize)]
+struct Fireflies {
+    pixels: u64,
+    share: f64,
 }
 
 /// Mean number of elements of a record, with a key for each kind.
@@ -48,7 +59,7 @@ impl Stats {
     /// Of a method whose scene has been loaded.
     pub fn new(method: &'static str, threads: usize, load: Duration) -> Self {
         let seconds = Seconds { load: load.as_secs_f64(), ..Seconds::default() };
-        Self { method, threads, seconds, ..Self::default() }
+        Self { method, threads, seconds, denoiser: "off", ..Self::default() }
     }
 
     /// Notes what caches did.
@@ -63,6 +74,13 @@ impl Stats {
         self.negative_pixels = figures.negative_pixels;
         self.bytes_per_record = figures.all_glossy().mean_bytes();
         self.cache_bytes = figures.bytes as u64;
+    }
+
+    /// Notes what a denoiser did.
+    pub fn denoised(&mut self, name: &'static str, seconds: f64, bounded: Bounded) {
+        self.denoiser = name;
+        self.seconds.denoise = seconds;
+        self.fireflies = Fireflies { pixels: bounded.pixels, share: bounded.share };
     }
 
     /// Notes what was traced.

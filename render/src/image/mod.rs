@@ -9,7 +9,8 @@ pub mod view;
 #[cfg(feature = "formats")]
 mod write;
 
-use crate::picture::Picture;
+use crate::picture::{Picture, Pixel};
+use crate::scene::Rgb;
 
 pub use raster::{Channels, Raster, Samples, half};
 #[cfg(feature = "formats")]
@@ -33,11 +34,16 @@ pub struct Image {
 }
 
 impl Picture {
-    /// The whole light, as a picture.
+    /// The whole light, as a picture: without its noise where that has been taken away.
     pub fn image(&self) -> Image {
-        let scale = 1.0 / self.spp.max(1) as f32;
-        let pixels = self.pixels.iter().map(|p| (p.sum.sum() * scale).to_array()).collect();
+        let pixels = self.denoised.clone().unwrap_or_else(|| self.mean(|p| p.sum.sum()));
         Image { width: self.width, height: self.height, pixels }
+    }
+
+    /// Mean over the samples of a sum that pixels hold.
+    pub(crate) fn mean(&self, of: impl Fn(&Pixel) -> Rgb) -> Vec<[f32; 3]> {
+        let scale = 1.0 / self.spp.max(1) as f32;
+        self.pixels.iter().map(|p| (of(p) * scale).to_array()).collect()
     }
 }
 

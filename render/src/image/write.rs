@@ -66,8 +66,11 @@ type PixelValue<'a> = Box<dyn Fn(&Pixel) -> f32 + Sync + 'a>;
 /// Layers of the EXR: the light by its way, and what the first surface is.
 fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, ImageError> {
     let scale = 1.0 / picture.spp.max(1) as f32;
+    // What is denoised is the picture; the rest is noisy, and so is what it says of itself.
+    let (whole, variance_layer) =
+        if picture.denoised.is_some() { ("noisy.", "noisy.variance.") } else { ("", "variance.") };
     let layers: [ColorLayer; 7] = [
-        ("", |p| p.sum.sum()),
+        (whole, |p| p.sum.sum()),
         ("emission.", |p| p.sum.emission),
         ("direct.diffuse.", |p| p.sum.direct.diffuse),
         ("direct.glossy.", |p| p.sum.direct.glossy),
@@ -87,7 +90,7 @@ fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, Ima
     if picture.passes > 1 {
         for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
             let variance = move |p: &Pixel| picture.variance(p).unwrap_or_default()[i];
-            values.push((format!("variance.{channel}"), Box::new(variance)));
+            values.push((format!("{variance_layer}{channel}"), Box::new(variance)));
         }
     }
     for (i, channel) in ["X", "Y", "Z"].into_iter().enumerate() {
@@ -99,7 +102,13 @@ fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, Ima
     let channel = |(name, value): &(String, PixelValue)| {
         AnyChannel::new(name.as_str(), FlatSamples::F32(picture.pixels.iter().map(value).collect()))
     };
-    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = values.par_iter().map(channel).collect::<Vec<_>>().into();
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
+        values.par_iter().map(channel).collect::<Vec<_>>().into();
+    for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+        if let Some(pixels) = &picture.denoised {
+            channels.push(AnyChannel::new(name, FlatSamples::F32(pixels.iter().map(|p| p[i]).collect())));
+        }
+    }
     let mut attributes = LayerAttributes::default();
     // One attribute of our own: the order of several would change from run to run.
     attributes.other.insert(SPP.into(), AttributeValue::I32(picture.spp as i32));

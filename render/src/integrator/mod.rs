@@ -2,6 +2,7 @@
 
 pub mod cached;
 mod direct;
+mod guides;
 mod media;
 mod path;
 mod simple;

@@ -2,10 +2,10 @@
 
 use super::direct::{Emitter, Left, emission, environment, receiver};
 use super::media::Media;
-use super::{Integrator, Radiance};
+use super::{Integrator, Radiance, guides};
 use crate::bsdf::{Bsdf, Split};
 use crate::light::LightSampleContext;
-use crate::ray::{Hit, Ray};
+use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::{IntegratorSettings, Rgb};
 use crate::world::{Interaction, Queries, World};
@@ -33,6 +33,8 @@ struct Path {
     left: Option<Left>,
     /// The glasses around it.
     media: Media,
+    /// Whether all surfaces so far are perfectly specular: the pixel shows what comes next.
+    straight: bool,
 }
 
 impl Path {
@@ -58,6 +60,7 @@ impl Integrator for PathTracer {
             eta: 1.0,
             left: None,
             media: Media::NONE,
+            straight: true,
         };
         let mut ray = ray;
         let mut segments = 0;
@@ -70,24 +73,29 @@ impl Integrator for PathTracer {
             if !hit.exists() {
                 if counts && !(segments == 1 && self.settings.hide_environment) {
                     let (light, weight) = environment(&world.lights, ray.direction, path.left.as_ref());
-                    path.add(segments, light * path.throughput * weight);
+                    let light = light * path.throughput * weight;
+                    path.add(segments, light);
+                    if path.straight && segments > 1 {
+                        guides::show_light(&mut path.out, light);
+                    }
                 }
                 break;
             }
             let at = world.interaction(&ray, &hit);
+            let bsdf = world.bsdf(&at);
+            if segments == 1 {
+                path.out.distance = hit.t;
+            }
+            if path.straight {
+                guides::show(&mut path.out, &at, &bsdf, path.throughput);
+                path.straight = bsdf.is_delta();
+            }
             if at.emitter.is_some() && counts {
                 let (light, weight) = emission(world, &world.lights, &at, path.left.as_ref());
                 path.add(segments, light * path.throughput * weight * path.media.left(at.distance));
             }
             if segments == self.settings.max_depth {
-                if segments == 1 {
-                    note_surface(&mut path.out, &at, &world.bsdf(&at), &hit);
-                }
                 break;
-            }
-            let bsdf = world.bsdf(&at);
-            if segments == 1 {
-                note_surface(&mut path.out, &at, &bsdf, &hit);
             }
             path.throughput *= path.media.left_before(world, &at, &bsdf);
             // Sample the lights.
@@ -122,14 +130,6 @@ impl Integrator for PathTracer {
         }
         path.out
     }
-}
-
-/// Albedo, normal and distance of the first surface.
-fn note_surface(out: &mut Radiance, at: &Interaction, bsdf: &Bsdf, hit: &Hit) {
-    out.albedo = bsdf.albedo();
-    let n = bsdf.normal();
-    out.normal = if n.dot(at.wo) < 0.0 { -n } else { n };
-    out.distance = hit.t;
 }
 
 /// Light of one sampled emitter, if it is in sight.

@@ -7,7 +7,7 @@ use super::pace::{PASS, Pace, TRIAL_ROWS};
 use super::shade::Shader;
 use super::surface::Surface;
 use crate::camera::RayGenerator;
-use crate::picture::{Budget, Picture, Pixel, summable};
+use crate::picture::{Budget, Picture, Pixel, first_half, summable};
 use crate::sampler::Sampler;
 use crate::scene::{Crop, Rgb};
 use crate::simd::widest;
@@ -80,13 +80,15 @@ impl<'a> Passes<'a> {
         let negative = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
         let Self { window, pixels, spp, counts, .. } = self;
         let corner = [window.x, window.y];
-        (Picture { width: window.width, height: window.height, corner, pixels, spp, passes: 0, counts }, negative)
+        let (width, height) = (window.width, window.height);
+        (Picture { width, height, corner, pixels, spp, passes: 0, counts, denoised: None }, negative)
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.
     fn direct(&mut self, pass: u32) {
         let Self { shader, settings, ref camera, window, spp, .. } = *self;
         let width = window.width as usize;
+        let middle = spp + first_half(spp + pass) - first_half(spp);
         let traced: Counts = self
             .pixels
             .par_chunks_mut(width)
@@ -110,7 +112,7 @@ impl<'a> Passes<'a> {
                                 sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
                                 pixel.surfaces += 1;
                             }
-                            pixel.sum += sample;
+                            pixel.add(sample, index < middle);
                         }
                     },
                 );
@@ -128,14 +130,21 @@ impl<'a> Passes<'a> {
         rows.par_iter().for_each_init(Scratches::default, |scratch, &y| {
             let row = y * width..(y + 1) * width;
             let mut pixels = self.pixels[row.clone()].to_vec();
-            indirect_row(self.shader, self.settings.seed, self.place(y), &mut pixels, &self.surfaces[row], scratch);
+            indirect_row(
+                self.shader,
+                (self.settings.seed, self.spp),
+                self.place(y),
+                &mut pixels,
+                &self.surfaces[row],
+                scratch,
+            );
         });
     }
 
     /// Adds indirect light. Returns the number of pixels where it is negative.
     fn indirect(&mut self, progress: &(dyn Fn(f64) + Sync)) -> u64 {
         let rows = AtomicU64::new(0);
-        let Self { shader, settings, window, .. } = *self;
+        let Self { shader, settings, window, spp, .. } = *self;
         let width = window.width as usize;
         let (traced, negative) = self
             .pixels
@@ -144,7 +153,7 @@ impl<'a> Passes<'a> {
             .enumerate()
             .map_init(Scratches::default, |scratch, (y, (row, surfaces))| {
                 let place = (window.x, window.y + y as u32);
-                let found = indirect_row(shader, settings.seed, place, row, surfaces, scratch);
+                let found = indirect_row(shader, (settings.seed, spp), place, row, surfaces, scratch);
                 let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(done as f64 / f64::from(window.height));
                 found
@@ -163,13 +172,14 @@ impl<'a> Passes<'a> {
 /// Indirect light of a row: what was traced, and pixels where it is negative.
 fn indirect_row(
     shader: &Shader,
-    seed: u64,
+    (seed, spp): (u64, u32),
     start: (u32, u32),
     row: &mut [Pixel],
     surfaces: &[Vec<Surface>],
     scratch: &mut Scratches,
 ) -> (Counts, u64) {
     let (mut queries, mut negative) = (Queries::default(), 0);
+    let share_of_first = first_half(spp) as f32 / spp.max(1) as f32;
     each_pixel(
         start,
         row,
@@ -178,11 +188,13 @@ fn indirect_row(
         |at, pixel, surfaces| {
             let samplers = |path: u32| Sampler::new(seed.wrapping_add(1), at, path);
             let indirect = shader.indirect(surfaces, &samplers, scratch, &mut queries);
-            if summable(indirect.sum()) {
-                pixel.sum.indirect = pixel.sum.indirect + indirect;
+            if summable(indirect.light.sum()) {
+                pixel.sum.indirect = pixel.sum.indirect + indirect.light;
+                pixel.add_to_half([Rgb::ZERO, indirect.half * share_of_first]);
+                pixel.held = indirect.held;
                 // Records may ring; a pixel never shines less than not at all.
-                let all = pixel.sum.indirect;
-                if indirect.diffuse.min(indirect.glossy).min(all.diffuse).min(all.glossy).min_element() < 0.0 {
+                let (here, all) = (indirect.light, pixel.sum.indirect);
+                if here.diffuse.min(here.glossy).min(all.diffuse).min(all.glossy).min_element() < 0.0 {
                     negative += 1;
                     pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
                 }

@@ -14,13 +14,15 @@ use crate::bsdf::{Bsdf, Split};
 use crate::color::mean_radiance;
 use crate::frame::Frame;
 use crate::integrator::direct::{Left, emission, environment, receiver};
+use crate::integrator::guides;
 use crate::light::Lights;
-use crate::picture::Radiance;
+use crate::picture::{Radiance, first_half};
 use crate::ray::Ray;
 use crate::record::Receiver;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::{Queries, World};
+use core::ops::{AddAssign, Range};
 use glam::{Vec2, Vec3A};
 
 /// Shades with filled caches, which it only reads.
@@ -71,6 +73,26 @@ const DOUBTED: f32 = 64.0;
 /// Samples of a traced surface whose light is cached for its neighbours only.
 const MIN_TRACED: f32 = 8.0;
 
+/// Indirect light, summed over samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Indirect {
+    /// All of it.
+    pub light: Split,
+    /// What it would be by the first half of the paths alone: records say the same twice.
+    pub half: Rgb,
+    /// Number of samples whose light came from records.
+    pub held: f32,
+}
+
+impl AddAssign for Indirect {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        self.light = self.light + other.light;
+        self.half += other.half;
+        self.held += other.held;
+    }
+}
+
 impl Shader<'_> {
     /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`]. Where a pixel shows
     /// too many of them, the indirect light of this one too.
@@ -86,16 +108,12 @@ impl Shader<'_> {
         let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
-        let mut first = None;
         let seen = see(world, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
             let light = emission(world, &world.lights, at, None).0 * throughput;
+            guides::show(&mut out, at, &world.bsdf(at), throughput);
             match segments {
                 1 => {
-                    first = Some((
-                        at.p,
-                        at.shading_normal * 1f32.copysign(at.shading_normal.dot(at.wo)),
-                        world.bsdf(at).albedo(),
-                    ));
+                    out.distance = (at.p - ray.origin).length();
                     if !settings.hide_emitters {
                         emitted += light;
                     }
@@ -103,16 +121,15 @@ impl Shader<'_> {
                 _ => through_mirrors += light,
             }
         });
-        if let Some((p, normal, albedo)) = first {
-            out.distance = (p - ray.origin).length();
-            (out.normal, out.albedo) = (normal, albedo);
-        }
         if let Seen::Nothing { direction, throughput, segments } = seen {
             let light = environment(&world.lights, direction, None).0 * throughput;
             match segments {
                 1 if settings.hide_emitters || settings.hide_environment => (),
                 1 => emitted += light,
-                _ => through_mirrors += light,
+                _ => {
+                    through_mirrors += light;
+                    guides::show_light(&mut out, light);
+                }
             }
         }
         // One mirror on the way makes emission direct light, more make it indirect: Mitsuba counts segments.
@@ -149,7 +166,7 @@ impl Shader<'_> {
                     && self.has_indirect(&alone)
                 {
                     let one_path = |_: f32| (1, |_: u32| *sampler);
-                    out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries);
+                    out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries).light;
                 }
             }
         }
@@ -218,13 +235,13 @@ impl Shader<'_> {
         samplers: &impl Fn(u32) -> Sampler,
         scratch: &mut Scratches,
         queries: &mut Queries,
-    ) -> Split {
-        let seen = surfaces.iter().filter(|s| self.has_indirect(s));
-        let sum = |sum: Split, s: &Surface| {
+    ) -> Indirect {
+        let mut sum = Indirect::default();
+        for s in surfaces.iter().filter(|s| self.has_indirect(s)) {
             let paths = |doubt: f32| (s.samples.max(MIN_TRACED).max(DOUBTED * doubt) as u32, samplers);
-            sum + self.surface(s, &paths, scratch, queries)
-        };
-        seen.fold(Split::ZERO, sum)
+            sum += self.surface(s, &paths, scratch, queries);
+        }
+        sum
     }
 
     /// Whether paths are long enough for the light of records.
@@ -241,7 +258,7 @@ impl Shader<'_> {
         paths: &impl Fn(f32) -> (u32, S),
         scratch: &mut Scratches,
         queries: &mut Queries,
-    ) -> Split {
+    ) -> Indirect {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
@@ -259,24 +276,33 @@ impl Shader<'_> {
             }
             Treatment::Traced => Found::NOTHING,
         };
-        let path = match cached {
-            Some(_) if traced == 0.0 => Split::ZERO,
+        let (path, half) = match cached {
+            Some(_) if traced == 0.0 => (Split::ZERO, Rgb::ZERO),
             // Nothing reaches here: trace instead.
             _ => {
                 let bsdf = self.world.bsdf(&s.point.at);
                 let (count, samplers) = paths(doubt);
                 let held = self.split.held.as_ref();
-                let sum = (0..count).fold(Split::ZERO, |sum, path| {
-                    let mut sampler = samplers(path);
-                    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-                    sum + self.traced(&s.point, &bsdf, held, choice, u, &mut sampler, queries)
-                });
-                sum * (s.samples / count as f32)
+                let mut sum = |range: Range<u32>| {
+                    range.fold(Split::ZERO, |sum, path| {
+                        let mut sampler = samplers(path);
+                        let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+                        sum + self.traced(&s.point, &bsdf, held, choice, u, &mut sampler, queries)
+                    })
+                };
+                let middle = first_half(count);
+                let first = sum(0..middle);
+                let path = (first + sum(middle..count)) * (s.samples / count as f32);
+                (path, first.sum() * (s.samples / middle as f32))
             }
         };
         match cached {
-            Some(cached) => cached * (1.0 - traced) + path * traced,
-            None => path,
+            Some(cached) => Indirect {
+                light: cached * (1.0 - traced) + path * traced,
+                half: cached.sum() * (1.0 - traced) + half * traced,
+                held: s.samples * (1.0 - traced),
+            },
+            None => Indirect { light: path, half, held: 0.0 },
         }
     }
 }

@@ -1,0 +1,135 @@
+//! From a noisy picture to one without noise.
+//!
+//! Light is denoised by the way it took ([`layers`]): emission seen directly has no noise and stays as it is; direct and
+//! indirect light are denoised apart, guided by albedo and normal, and summed; light that records hold is kept. Either by Intel's
+//! Open Image Denoise, a neural network, where its library is found when the program runs ([`oidn`]), or by our own filter
+//! ([`builtin`]).
+
+mod builtin;
+mod error;
+mod fireflies;
+mod layers;
+#[cfg(feature = "oidn")]
+pub mod oidn;
+mod plan;
+
+use crate::picture::Picture;
+pub use error::DenoiseError;
+pub use fireflies::Bounded;
+use layers::Layers;
+use plan::Rate;
+pub use plan::{Effort, Plan};
+use std::path::Path;
+
+/// Which denoiser to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// Open Image Denoise where it is found, else our own.
+    Auto,
+    /// Open Image Denoise.
+    Oidn,
+    /// Our own.
+    Builtin,
+}
+
+/// A denoiser, made once and used for any number of pictures.
+#[derive(Debug)]
+pub struct Denoiser {
+    kind: Kind,
+    /// What it costs on this machine.
+    rate: Rate,
+    note: Option<String>,
+}
+
+#[derive(Debug)]
+enum Kind {
+    #[cfg(feature = "oidn")]
+    Oidn(oidn::Device),
+    Builtin,
+}
+
+impl Denoiser {
+    /// Opens a denoiser. `library` is the file of Open Image Denoise or a folder that holds it; without it, the environment
+    /// variable `OIDN_LIBRARY` names it, or the system finds it. `threads`, 0: one for each core.
+    ///
+    /// # Errors
+    /// [`Choice::Oidn`], or a `library`, that cannot be loaded.
+    pub fn open(choice: Choice, library: Option<&Path>, threads: usize) -> Result<Self, DenoiseError> {
+        let (kind, note) = match choice {
+            Choice::Builtin => (Kind::Builtin, None),
+            Choice::Oidn => (oidn_kind(library, threads)?, None),
+            Choice::Auto => match oidn_kind(library, threads) {
+                Ok(kind) => (kind, None),
+                Err(error) if library.is_some() => return Err(error),
+                Err(error) => (Kind::Builtin, Some(error.to_string())),
+            },
+        };
+        Ok(Self { kind, rate: Rate::default(), note })
+    }
+
+    /// `oidn` or `builtin`.
+    pub fn name(&self) -> &'static str {
+        match &self.kind {
+            #[cfg(feature = "oidn")]
+            Kind::Oidn(_) => "oidn",
+            Kind::Builtin => "builtin",
+        }
+    }
+
+    /// Why [`Choice::Auto`] did not take Open Image Denoise.
+    pub fn note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
+    /// How to denoise a picture of so many pixels: as well as can be, or with `seconds` for the whole picture, so that the time
+    /// buys most. Measures what denoising costs on this machine, for about a twentieth of a second, unless it is known.
+    ///
+    /// # Errors
+    /// A library that fails.
+    pub fn plan(&self, pixels: u64, seconds: Option<f64>) -> Result<Plan, DenoiseError> {
+        let plan = self.rate.plan(pixels, seconds.filter(|_| !self.is_builtin()), |side| {
+            self.run(&Layers::example(side), Effort::Low).map(drop)
+        })?;
+        // Our own has one way only.
+        Ok(if self.is_builtin() { plan.with(Effort::Low) } else { plan })
+    }
+
+    /// Takes the noise out of a picture: sets [`Picture::denoised`]. The noisy light stays as it is. Tells how much of it the
+    /// denoiser was not shown.
+    ///
+    /// The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// A library that fails; the picture is as it was.
+    pub fn denoise(&self, picture: &mut Picture, effort: Effort) -> Result<Bounded, DenoiseError> {
+        let mut layers = Layers::new(picture);
+        let bounded = fireflies::bound(&mut layers);
+        let effort = if self.is_builtin() { Effort::Low } else { effort };
+        let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;
+        picture.denoised = Some(layers.merge(picture, &light));
+        Ok(bounded)
+    }
+
+    fn is_builtin(&self) -> bool {
+        matches!(self.kind, Kind::Builtin)
+    }
+
+    /// Direct and indirect light without noise; `None` where a layer is black.
+    fn run(&self, layers: &Layers, effort: Effort) -> Result<[Option<Vec<[f32; 3]>>; 2], DenoiseError> {
+        match &self.kind {
+            #[cfg(feature = "oidn")]
+            Kind::Oidn(device) => device.denoise(layers, effort),
+            Kind::Builtin => Ok(builtin::denoise(layers)),
+        }
+    }
+}
+
+#[cfg(feature = "oidn")]
+fn oidn_kind(library: Option<&Path>, threads: usize) -> Result<Kind, DenoiseError> {
+    oidn::Device::open(library, threads).map(Kind::Oidn)
+}
+
+#[cfg(not(feature = "oidn"))]
+fn oidn_kind(_: Option<&Path>, _: usize) -> Result<Kind, DenoiseError> {
+    Err(DenoiseError::NotBuilt)
+}
