@@ -24,4 +24,5 @@ pub mod scene;
 mod simd;
 #[cfg(feature = "fit")]
 pub mod tables;
+pub mod walk;
 pub mod world;
