@@ -4,7 +4,7 @@
 //! The renderer says what a pixel shows (a [`Spot`]) and what light comes along a ray ([`Incident`]); the cache puts records where
 //! the picture needs them and tells the light that a spot reflects. `examples/cache_library.rs` is the whole of it.
 
-use crate::cache::{Cache, Filler, Grid, RadiusPolicy, Spacing, clamp_to_neighbours};
+use crate::cache::{Cache, Density, Filler, Grid, RadiusPolicy, Spacing, clamp_to_neighbours};
 use crate::color::{luminance, mean_radiance};
 use crate::frame::Frame;
 use crate::hemisphere::{Cell, Guide, Incident, View, gather_cells};
@@ -137,7 +137,7 @@ impl GlossyCache {
             record.set_radius(clamp_to_neighbours(records, record.position(), record.radius(), smallest));
             records.insert(record);
         };
-        let filler = Filler { grid, deadline: None, progress: &|_| () };
+        let filler = Filler { grid, density: Density::Every, refile: true, deadline: None, progress: &|_| () };
         filler.fill(&mut records, |_, _| Vec::new(), covered, make, insert);
         self.records = records;
     }

@@ -175,6 +175,12 @@ fn compares_frames() {
     let (out, _) = f.ok("compare noisy.#.exr r.####.exr --second still.#.exr --frames 3,1");
     assert!(out.lines().count() == 4 && out.lines().nth(1).unwrap().trim_start().starts_with("1 "), "{out}");
     assert_eq!(f.run("compare still.#.exr r.####.exr --frames 1-3 --fail-above 1e-6").0, 1);
+    f.ok("compare still.#.exr r.####.exr --frames 1-3 --strip s.png");
+    let strip = pixels(&f.path("s.png"));
+    assert_eq!((strip.width, strip.height), (3, 2 * 16 + 4));
+    // A darker sphere above, the reference below.
+    assert!(strip.pixels[8 * 3][0] < strip.pixels[28 * 3][0] && strip.pixels[8 * 3] == strip.pixels[8 * 3 + 2]);
+    f.bad("compare still.1.exr r.0001.exr --strip s.png", "--frames");
     f.bad("compare still.#.exr r.####.exr --frames 1-4", "still.4.exr");
     f.bad("compare still.1.exr r.####.exr --frames 1", "still.1.exr: the name of the file needs ####");
     f.bad("compare still.#.exr r.####.exr --frames 1,1", "frame 1 is there twice");

@@ -127,7 +127,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     options::check(args)?;
     outputs::check(args, &[])?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
-    let job = pool.install(|| Job::new(args))?;
+    let job = pool.install(|| Job::new(args, &args.reading.options()?, |read| outputs::check(args, read)))?;
     let mut stats = Stats::new(args.method.name(), pool.current_num_threads(), start.elapsed());
     let (picture, records) = match &job.engine {
         Engine::Traced => (pool.install(|| traced(&job, &mut stats)), None),
@@ -154,7 +154,7 @@ fn traced(job: &Job, stats: &mut Stats) -> Picture {
 }
 
 /// Said where so many paths were dropped that a picture may show it.
-fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
+pub(super) fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
     let too_many = u128::from(dropped) * 1_000_000 > u128::from(paths);
     too_many.then(|| format!("{dropped} of {paths} paths were not finite and count as black: the picture is too dark"))
 }

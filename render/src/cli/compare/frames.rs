@@ -1,7 +1,10 @@
 //! Frames of a walk against their references.
 
+use super::strip::Strip;
 use super::{Args, NO_FLIP, Read, print};
 use anyhow::{Context, Error, Result, ensure};
+use kit::output::Outputs;
+use render::image::write_png;
 use render::metric::{Comparison, Flicker};
 use render::walk::{FrameFiles, FrameNumbers};
 use std::fmt::Write;
@@ -49,9 +52,13 @@ pub(super) fn run(args: &Args, frames: &FrameNumbers) -> Result<ExitCode> {
     let files = |path: &Path| FrameFiles::new(path).map_err(Error::msg).with_context(|| path.display().to_string());
     let (images, references) = (files(&args.image)?, files(&args.reference)?);
     let seconds = args.second.as_deref().map(files).transpose()?;
+    if let Some(path) = &args.strip {
+        Outputs::default().file_of(path, &["png"])?;
+    }
     let mut numbers = frames.as_slice().to_vec();
     numbers.sort_unstable();
-    let (mut flicker, mut found) = (Flicker::default(), Vec::with_capacity(numbers.len()));
+    let (mut flicker, mut strip) = (Flicker::default(), Strip::default());
+    let mut found = Vec::with_capacity(numbers.len());
     for frame in numbers {
         let (image, reference) = (images.of(frame), references.of(frame));
         let second = seconds.as_ref().map(|files| files.of(frame));
@@ -60,6 +67,9 @@ pub(super) fn run(args: &Args, frames: &FrameNumbers) -> Result<ExitCode> {
         let truth = read.truth().with_context(place)?;
         let figures = truth.compare(&read.image).with_context(place)?;
         ensure!(figures.rel_mse.is_finite(), "{}: a pixel is not a number", place());
+        if args.strip.is_some() {
+            strip.add(&read.image, truth.mean());
+        }
         let flicker = flicker.add(frame, &read.image, &truth)?;
         found.push(Frame { frame, figures, flicker });
     }
@@ -71,6 +81,9 @@ pub(super) fn run(args: &Args, frames: &FrameNumbers) -> Result<ExitCode> {
         table(&found, &mean, flicker)
     };
     print(&text)?;
+    if let Some(path) = &args.strip {
+        write_png(path, &strip.image())?;
+    }
     let failed = args.fail_above.is_some_and(|limit| mean.rel_mse > limit);
     Ok(if failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -1,6 +1,7 @@
 //! `render compare`.
 
 mod frames;
+mod strip;
 
 use anyhow::{Context, Result, bail};
 use kit::number::{number, whole};
@@ -29,6 +30,9 @@ pub struct Args {
     /// to frame. As 1-60 or 1,5,9; all names need #### for the number.
     #[arg(long, value_name = "A-B", conflicts_with_all = ["z_test", "false_color"])]
     frames: Option<FrameNumbers>,
+    /// Write the middle column of every frame side by side, and those of the references below: flicker is seen at a glance.
+    #[arg(long, value_name = "OUT.png", requires = "frames")]
+    strip: Option<PathBuf>,
     /// Write the error of every pixel in false colours.
     #[arg(long, value_name = "OUT.png")]
     false_color: Option<PathBuf>,
@@ -153,7 +157,7 @@ impl Read {
 }
 
 /// Prints; a reader that has seen enough is no error.
-fn print(text: &str) -> Result<()> {
+pub(super) fn print(text: &str) -> Result<()> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e).context("standard output"),
         _ => Ok(()),

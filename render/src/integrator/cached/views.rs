@@ -64,7 +64,7 @@ impl Builder<'_> {
             if !inside || (px, py) == (x, y) {
                 continue;
             }
-            let Some(other) = &self.points[py as usize * self.grid.width as usize + px as usize] else { continue };
+            let Some(other) = self.sight.at(py as usize * self.grid.width as usize + px as usize) else { continue };
             let near = other.at.p.distance(point.at.p) <= 1.5 * reach * point.footprint;
             if near && other.material == point.material {
                 views.push(other.view());
