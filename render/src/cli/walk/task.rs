@@ -210,7 +210,9 @@ impl Task<'_> {
     /// Tells what was done.
     pub fn finish(mut self) -> Result<ExitCode> {
         self.stats.seconds.total = self.start.elapsed().as_secs_f64();
-        eprintln!("render: {}", self.stats.sentence());
+        if !self.args.fill_only {
+            eprintln!("render: {}", self.stats.sentence());
+        }
         if let Some(path) = &self.args.image.stats {
             let text = serde_json::to_string_pretty(&self.stats)? + "\n";
             write(path, text.as_bytes())?;
