@@ -6,11 +6,12 @@ mod links;
 use std::path::{Path, PathBuf};
 
 /// The pages that teach a user, and those of figures, from the root.
-const PAGES: [&str; 8] = [
+const PAGES: [&str; 9] = [
     "README.md",
     "brdf-tables/README.md",
     "fitter/README.md",
     "render/README.md",
+    "render/farm/README.md",
     "tables/README.md",
     "brdf-tables/doc/measurements.md",
     "fitter/doc/measurements.md",

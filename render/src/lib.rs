@@ -25,4 +25,5 @@ pub mod scene;
 mod simd;
 #[cfg(feature = "fit")]
 pub mod tables;
+pub mod walk;
 pub mod world;

@@ -29,3 +29,5 @@ mod pieces;
 mod spacing;
 #[path = "cached/translation.rs"]
 mod translation;
+#[path = "cached/walk.rs"]
+mod walk;

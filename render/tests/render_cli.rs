@@ -133,6 +133,60 @@ fn compares() {
     assert_eq!((&same["rmse"], &same["flip"]), (&0.0.into(), &0.0.into()));
 }
 
+/// Two references of independent noise tell the error of a picture apart from their own.
+#[test]
+fn a_second_reference_takes_the_noise_off() {
+    let f = Folder::with(SCENE, &[]);
+    for (name, seed) in [("a", 1), ("b", 2), ("c", 3)] {
+        f.ok(&format!("image scene.xml -o {name}.exr --spp 4 --seed {seed}"));
+    }
+    let figure = |options: &str, key: &str| {
+        let (out, _) = f.ok(&format!("compare a.exr b.exr {options} --json"));
+        serde_json::from_str::<serde_json::Value>(&out).unwrap()[key].as_f64().unwrap()
+    };
+    let (one, two) = (figure("", "rel_mse"), figure("--second c.exr", "rel_mse"));
+    assert!(two > 0.0 && (two - 0.5 * one).abs() < 0.2 * one, "{one} {two}");
+    assert!(figure("", "trimmed") < one);
+    assert!(f.ok("compare a.exr b.exr --second c.exr --false-color d.png").0.contains("trimmed"));
+    f.bad("compare a.exr b.exr --second c.exr --z-test", "--z-test");
+    f.bad("compare a.exr b.exr --second none.exr", "none.exr");
+    f.ok("image scene.xml -o small.exr --spp 1 --width 12");
+    f.bad("compare a.exr b.exr --second small.exr", "12×8");
+}
+
+/// Frames that differ from their references by the same error do not flicker, others do.
+#[test]
+fn compares_frames() {
+    let f = Folder::with(SCENE, &[]);
+    for frame in 1..=3 {
+        f.ok(&format!("image scene.xml -o r.000{frame}.exr --spp 16"));
+        f.ok(&format!("image scene.xml -o still.{frame}.exr --spp 16 -D gray=0.5"));
+        f.ok(&format!("image scene.xml -o noisy.{frame}.exr --spp 1 --seed {frame}"));
+    }
+    let report = |files: &str| {
+        let (out, _) = f.ok(&format!("compare {files} r.####.exr --frames 1-3 --json"));
+        serde_json::from_str::<serde_json::Value>(&out).unwrap()
+    };
+    let (still, noisy) = (report("still.#.exr"), report("noisy.#.exr"));
+    assert_eq!(still["flicker"], 0.0);
+    assert!(noisy["flicker"].as_f64() > Some(1e-4), "{noisy}");
+    assert!(still["frames"][0]["flicker"].is_null() && still["frames"][1]["flicker"] == 0.0);
+    assert_eq!(still["frames"][2]["rel_mse"], still["mean"]["rel_mse"]);
+    let (out, _) = f.ok("compare noisy.#.exr r.####.exr --second still.#.exr --frames 3,1");
+    assert!(out.lines().count() == 4 && out.lines().nth(1).unwrap().trim_start().starts_with("1 "), "{out}");
+    assert_eq!(f.run("compare still.#.exr r.####.exr --frames 1-3 --fail-above 1e-6").0, 1);
+    f.ok("compare still.#.exr r.####.exr --frames 1-3 --strip s.png");
+    let strip = pixels(&f.path("s.png"));
+    assert_eq!((strip.width, strip.height), (3, 2 * 16 + 4));
+    // A darker sphere above, the reference below.
+    assert!(strip.pixels[8 * 3][0] < strip.pixels[28 * 3][0] && strip.pixels[8 * 3] == strip.pixels[8 * 3 + 2]);
+    f.bad("compare still.1.exr r.0001.exr --strip s.png", "--frames");
+    f.bad("compare still.#.exr r.####.exr --frames 1-4", "still.4.exr");
+    f.bad("compare still.1.exr r.####.exr --frames 1", "still.1.exr: the name of the file needs ####");
+    f.bad("compare still.#.exr r.####.exr --frames 1,1", "frame 1 is there twice");
+    f.bad("compare still.#.exr r.####.exr --frames 0-99999999", "--frames");
+}
+
 #[test]
 fn the_z_test_tells_noise_from_a_difference() {
     let f = Folder::with(SCENE, &[]);

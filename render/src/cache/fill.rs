@@ -26,11 +26,29 @@ const COARSEST: u32 = 32;
 /// Records of a wave that are made at once: between such batches the clock is looked at.
 const BATCH: usize = 256;
 
+/// Which candidates are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Density {
+    /// All.
+    Every,
+    /// A lattice of this spacing (a power of two), shifted by `offset`; and all about those pixels of it that nothing reaches.
+    Scouted {
+        /// Pixels.
+        spacing: u32,
+        /// Columns and rows.
+        offset: [u32; 2],
+    },
+}
+
 /// What a filling goes over, and until when.
 #[derive(Clone, Copy)]
 pub struct Filler<'a> {
     /// Candidates.
     pub grid: Grid,
+    /// Which of them.
+    pub density: Density,
+    /// Whether records are filed anew at the end, which takes time where there are many.
+    pub refile: bool,
     /// End of the time there is.
     pub deadline: Option<Instant>,
     /// Told how far it is.
@@ -40,7 +58,7 @@ pub struct Filler<'a> {
 impl Filler<'_> {
     /// Makes a record at every pixel that is not `covered` by the time its wave comes. `adapt` tells which records must
     /// reach less far for what they say of a pixel. `insert` adds a record, and may adjust it and its neighbours. Stops at
-    /// the deadline; returns whether it was reached.
+    /// the deadline.
     pub fn fill<R: Record, M: Send>(
         &self,
         cache: &mut Cache<R>,
@@ -48,40 +66,109 @@ impl Filler<'_> {
         covered: impl Fn(&Cache<R>, usize) -> bool + Sync,
         make: impl Fn(&Cache<R>, usize) -> Option<M> + Sync,
         mut insert: impl FnMut(&mut Cache<R>, M),
-    ) -> bool {
+    ) {
+        let mut scouts = Scouts::new(self.grid, self.density);
         let total = f64::from(self.grid.width) * f64::from(self.grid.height);
         let mut seen = 0;
-        let mut stopped = false;
-        'waves: for pixels in waves(self.grid) {
+        'waves: for Wave { spacing, pixels: all } in waves(self.grid, self.density) {
+            let pixels = scouts.choose(spacing, &all);
             let shrinks: Vec<Shrink> = pixels.par_iter().flat_map_iter(|&i| adapt(cache, i)).collect();
             cache.shrink(&shrinks);
             let open: Vec<usize> = pixels.par_iter().copied().filter(|&i| !covered(cache, i)).collect();
             for batch in open.chunks(BATCH) {
                 if self.deadline.is_some_and(|end| Instant::now() >= end) {
-                    stopped = true;
                     break 'waves;
                 }
                 let made: Vec<M> = batch.par_iter().filter_map(|&i| make(cache, i)).collect();
                 made.into_iter().for_each(|record| insert(cache, record));
             }
-            seen += pixels.len();
+            scouts.note(&open);
+            seen += all.len();
             (self.progress)(seen as f64 / total);
         }
-        cache.refile();
-        stopped
+        if self.refile {
+            cache.refile();
+        }
     }
 }
 
+/// Pixels of one spacing.
+struct Wave {
+    /// Of all pixels up to this wave.
+    spacing: u32,
+    pixels: Vec<usize>,
+}
+
 /// Every pixel once: a coarse grid, then the three grids between at every halving of the spacing.
-fn waves(grid: Grid) -> impl Iterator<Item = Vec<usize>> {
+fn waves(grid: Grid, density: Density) -> impl Iterator<Item = Wave> {
+    let [right, down] = match density {
+        Density::Every => [0, 0],
+        Density::Scouted { offset, .. } => offset,
+    };
     let lattice = move |spacing: u32, x0: u32, y0: u32| {
+        let (x0, y0) = ((x0 + right) % spacing, (y0 + down) % spacing);
         let columns =
             move |y: u32| (x0..grid.width).step_by(spacing as usize).map(move |x| (y * grid.width + x) as usize);
         (y0..grid.height).step_by(spacing as usize).flat_map(columns).collect::<Vec<_>>()
     };
     let halvings = (0..COARSEST.ilog2()).map(|k| COARSEST >> k);
-    let finer = halvings.flat_map(move |s| [(s, s / 2, s / 2), (s, s / 2, 0), (s, 0, s / 2)]);
-    core::iter::once((COARSEST, 0, 0)).chain(finer).map(move |(s, x, y)| lattice(s, x, y))
+    let finer = halvings.flat_map(move |s| [(s, s / 2, s / 2), (s, s / 2, 0), (s, 0, s / 2)].map(|at| (s / 2, at)));
+    let all = core::iter::once((COARSEST, (COARSEST, 0, 0))).chain(finer);
+    all.map(move |(spacing, (s, x, y))| Wave { spacing, pixels: lattice(s, x, y) })
+}
+
+/// Where pixels between those of a lattice are looked at.
+struct Scouts {
+    grid: Grid,
+    /// Finest lattice that is looked at everywhere.
+    spacing: u32,
+    /// Blocks of this lattice in which nothing reached a pixel, and their neighbours.
+    open: Vec<bool>,
+}
+
+impl Scouts {
+    fn new(grid: Grid, density: Density) -> Self {
+        let spacing = match density {
+            Density::Every => 1,
+            Density::Scouted { spacing, .. } => spacing.max(1),
+        };
+        let blocks = if spacing == 1 { 0 } else { grid.width.div_ceil(spacing) * grid.height.div_ceil(spacing) };
+        Self { grid, spacing, open: vec![false; blocks as usize] }
+    }
+
+    fn block(&self, pixel: usize) -> (u32, u32) {
+        let pixel = pixel as u32;
+        (pixel % self.grid.width / self.spacing, pixel / self.grid.width / self.spacing)
+    }
+
+    /// Those of a wave that are to be looked at.
+    fn choose(&self, spacing: u32, pixels: &[usize]) -> Vec<usize> {
+        if spacing >= self.spacing {
+            return pixels.to_vec();
+        }
+        let columns = self.grid.width.div_ceil(self.spacing);
+        let is_open = |pixel: &usize| {
+            let (x, y) = self.block(*pixel);
+            self.open[(y * columns + x) as usize]
+        };
+        pixels.iter().copied().filter(is_open).collect()
+    }
+
+    /// Notes pixels that nothing reached.
+    fn note(&mut self, pixels: &[usize]) {
+        if self.spacing == 1 {
+            return;
+        }
+        let (columns, rows) = (self.grid.width.div_ceil(self.spacing), self.grid.height.div_ceil(self.spacing));
+        for &pixel in pixels {
+            let (x, y) = self.block(pixel);
+            for y in y.saturating_sub(1)..=(y + 1).min(rows - 1) {
+                for x in x.saturating_sub(1)..=(x + 1).min(columns - 1) {
+                    self.open[(y * columns + x) as usize] = true;
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -90,10 +177,36 @@ mod tests {
 
     #[test]
     fn waves_meet_every_pixel_once() {
+        let scouted = Density::Scouted { spacing: 4, offset: [3, 2] };
         for (width, height) in [(1, 1), (40, 33), (100, 7)] {
-            let mut count = vec![0; (width * height) as usize];
-            waves(Grid { width, height }).flatten().for_each(|i| count[i] += 1);
-            assert!(count.iter().all(|&n| n == 1), "{width} {height}");
+            for density in [Density::Every, scouted] {
+                let mut count = vec![0; (width * height) as usize];
+                waves(Grid { width, height }, density).flat_map(|w| w.pixels).for_each(|i| count[i] += 1);
+                assert!(count.iter().all(|&n| n == 1), "{width} {height} {density:?}");
+            }
         }
+    }
+
+    /// Scouts look at a lattice, and closely only about what nothing reaches.
+    #[test]
+    fn scouts_look_closely_where_it_is_open() {
+        let grid = Grid { width: 40, height: 40 };
+        let density = Density::Scouted { spacing: 4, offset: [1, 2] };
+        let looked = |hole: Option<usize>| {
+            let mut scouts = Scouts::new(grid, density);
+            let mut looked = Vec::new();
+            for Wave { spacing, pixels } in waves(grid, density) {
+                let pixels = scouts.choose(spacing, &pixels);
+                let open: Vec<_> = pixels.iter().copied().filter(|p| Some(*p) == hole).collect();
+                scouts.note(&open);
+                looked.extend(pixels);
+            }
+            looked
+        };
+        let lattice = looked(None);
+        assert_eq!(lattice.len(), 100);
+        assert!(lattice.iter().all(|p| p % 40 % 4 == 1 && p / 40 % 4 == 2));
+        // Nine blocks of 4 × 4 about the hole, and the rest of the lattice.
+        assert_eq!(looked(Some(22 * 40 + 21)).len(), 100 + 9 * 15);
     }
 }

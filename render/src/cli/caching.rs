@@ -34,7 +34,7 @@ pub(super) fn render(caching: &Caching, world: &World, stats: &mut Stats) -> Res
 }
 
 /// Decides on the materials, and how long what had to be fitted took.
-fn decide(caching: &Caching, world: &World) -> Result<(Policy, Duration)> {
+pub(super) fn decide(caching: &Caching, world: &World) -> Result<(Policy, Duration)> {
     let mut tables = Tables::open(&caching.tables)?;
     let deciding = Instant::now();
     let policy = Policy::new(&world.scene, caching.allowed, |recipe| tables.find(recipe))?;

@@ -131,7 +131,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     outputs::check(args, &[])?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
     let denoiser = args.denoising.open(args.time.is_some(), pool.current_num_threads())?;
-    let job = pool.install(|| Job::new(args, denoiser.as_ref()))?;
+    let job = pool
+        .install(|| Job::new(args, &args.reading.options()?, denoiser.as_ref(), |read| outputs::check(args, read)))?;
     let mut stats = Stats::new(args.method.name(), pool.current_num_threads(), start.elapsed());
     let (mut picture, records) = match &job.engine {
         Engine::Traced => (pool.install(|| traced(&job, &mut stats)), None),
@@ -162,7 +163,7 @@ fn traced(job: &Job, stats: &mut Stats) -> Picture {
 }
 
 /// Said where so many paths were dropped that a picture may show it.
-fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
+pub(super) fn not_finite_warning(dropped: u64, paths: u64) -> Option<String> {
     let too_many = u128::from(dropped) * 1_000_000 > u128::from(paths);
     too_many.then(|| format!("{dropped} of {paths} paths were not finite and count as black: the picture is too dark"))
 }

@@ -1,9 +1,8 @@
-//! What `render image` is asked for, once every argument has been found to have a meaning.
+//! What `render image` or a walk is asked for, once every argument has been found to have a meaning.
 
 use super::image::Args;
 use super::look;
 use super::method::{Method, Reach};
-use super::outputs;
 use super::view;
 use anyhow::{Context, Error, Result};
 use render::cache::Spacing;
@@ -13,8 +12,8 @@ use render::integrator::cached::policy::Allowed;
 use render::integrator::cached::{Settings, TOLERANCE};
 use render::picture::{Budget, require_memory};
 use render::record::harmonics::HarmonicsSettings;
-use render::scene::Scene;
-use render::scene::load::{self, Loaded};
+use render::scene::load::{self, Loaded, Options};
+use render::scene::{Camera, Film, FovAxis, Scene};
 use render::world::World;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -34,6 +33,17 @@ pub(super) struct Job {
     pub indirect_only: bool,
     /// How pictures for a screen look.
     pub look: Look,
+    pub views: Views,
+}
+
+/// What the file says of views, for cameras that are not its own.
+pub(super) struct Views {
+    /// Along which axis angles of view are given.
+    pub fov_axis: FovAxis,
+    /// Width over height of its film.
+    pub aspect: f64,
+    /// The camera at every frame of its animation, where that was asked for.
+    pub track: Vec<Camera>,
 }
 
 /// What renders.
@@ -57,17 +67,24 @@ pub(super) struct Caching {
 }
 
 impl Job {
-    /// Loads the scene and puts the arguments to it.
+    /// Loads the scene and puts the arguments to it. `check` looks at the outputs when the files that were read are known.
     ///
     /// # Errors
     /// One line: a scene that cannot be loaded, or an argument that does not fit it.
-    pub fn new(args: &Args, denoiser: Option<&Denoiser>) -> Result<Self> {
-        let Loaded { mut scene, warnings, files, .. } = load::open(&args.scene, &args.reading.options()?)?;
-        outputs::check(args, &files)?;
+    pub fn new(
+        args: &Args,
+        reading: &Options,
+        denoiser: Option<&Denoiser>,
+        check: impl FnOnce(&[PathBuf]) -> Result<()>,
+    ) -> Result<Self> {
+        let Loaded { mut scene, warnings, files, fov_axis, track, .. } = load::open(&args.scene, reading)?;
+        check(&files)?;
         for warning in warnings {
             eprintln!("render: warning: {warning}");
         }
         let place = || args.scene.display().to_string();
+        let film = &scene.camera.film;
+        let views = Views { fov_axis, aspect: f64::from(film.width) / f64::from(film.height), track };
         view::change(&mut scene.camera, args.width, args.height, args.crop);
         look::check_size(&args.output, &scene.camera.film)?;
         let lens = args.optics.check(&scene.camera)?;
@@ -86,7 +103,8 @@ impl Job {
         }
         let engine = Engine::new(args, budget);
         let look = args.looking.look();
-        Ok(Self { world, engine, budget, effort, seed: args.seed, indirect_only: args.indirect_only, look })
+        let (seed, indirect_only) = (args.seed, args.indirect_only);
+        Ok(Self { world, engine, budget, effort, seed, indirect_only, look, views })
     }
 }
 
@@ -124,14 +142,19 @@ fn denoising(args: &Args, scene: &Scene, denoiser: Option<&Denoiser>) -> Result<
     Ok((Some(plan.effort), plan.seconds + start.elapsed().as_secs_f64()))
 }
 
+/// About what it takes to write a picture to these files.
+pub(super) fn writing_seconds(files: &[PathBuf], film: &Film) -> f64 {
+    let film = film.window();
+    let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let exrs = files.iter().filter(exr).count();
+    let per_pixel = EXR_SECONDS * exrs as f64 + SCREEN_SECONDS * (files.len() - exrs) as f64;
+    per_pixel * f64::from(film.width) * f64::from(film.height)
+}
+
 fn budget(args: &Args, scene: &Scene, denoising: f64) -> Budget {
     match (args.spp, args.time, args.error) {
         (_, Some(seconds), _) => {
-            let film = scene.camera.film.window();
-            let exr = |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-            let exrs = args.output.iter().filter(exr).count();
-            let per_pixel = EXR_SECONDS * exrs as f64 + SCREEN_SECONDS * (args.output.len() - exrs) as f64;
-            let writing = per_pixel * f64::from(film.width) * f64::from(film.height);
+            let writing = writing_seconds(&args.output, &scene.camera.film);
             Budget::Time(Duration::from_secs_f64(seconds - (writing + denoising).min(0.5 * seconds)))
         }
         (_, _, Some(error)) => Budget::Error(error),

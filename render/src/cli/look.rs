@@ -55,7 +55,7 @@ impl Looking {
     /// As pictures are written.
     pub fn look(&self) -> Look {
         let display = Display::new(self.view.unwrap_or_default(), self.exposure.unwrap_or(0.0));
-        Look { display, alpha: self.transparent }
+        Look { display, alpha: self.transparent, note: None }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The command line: arguments, and one file per command.
 
+mod cache;
 mod caching;
 mod chart;
 mod choices;
@@ -17,6 +18,7 @@ mod probe;
 mod reading;
 mod stats;
 mod view;
+mod walk;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -34,6 +36,10 @@ struct Cli {
 enum Command {
     /// Render a scene.
     Image(image::Args),
+    /// Draw the frames of a walk through a scene, from caches that are filled once.
+    Walk(Box<walk::Args>),
+    /// Look into files of records, and join those that were filled apart.
+    Cache(cache::Args),
     /// List what a scene holds: cameras, lamps, meshes, materials, textures, and what is drawn differently.
     Info(info::Args),
     /// Look into the record of equivalent area lights at a pixel: pictures, tree, errors.
@@ -53,6 +59,8 @@ pub fn run() -> ExitCode {
     };
     let result: Result<ExitCode> = match cli.command {
         Command::Image(args) => image::run(&args),
+        Command::Walk(mut args) => walk::run(&mut args),
+        Command::Cache(args) => cache::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Probe(args) => probe::run(&args),
         Command::Compare(args) => compare::run(&args),

@@ -101,6 +101,7 @@ impl Reading {
             camera: self.camera.clone(),
             scene: self.scene.clone(),
             animation_time: self.animation_time(),
+            track: None,
         })
     }
 

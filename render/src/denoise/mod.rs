@@ -91,7 +91,7 @@ impl Denoiser {
             self.run(&Layers::example(side), Effort::Low).map(drop)
         })?;
         // Our own has one way only.
-        Ok(if self.is_builtin() { plan.with(Effort::Low) } else { plan })
+        Ok(if self.is_builtin() { plan.at(Effort::Low) } else { plan })
     }
 
     /// Takes the noise out of a picture: sets [`Picture::denoised`]. The noisy light stays as it is. Tells how much of it the

@@ -48,7 +48,7 @@ pub struct Plan {
 
 impl Plan {
     /// The same picture at another effort.
-    pub(super) fn with(self, effort: Effort) -> Self {
+    pub fn at(self, effort: Effort) -> Self {
         Self { effort, seconds: self.seconds * effort.cost(LAYERS) / self.effort.cost(LAYERS) }
     }
 }

@@ -1,5 +1,7 @@
 //! Pictures in memory and in files.
 
+#[cfg(feature = "formats")]
+mod note;
 mod raster;
 #[cfg(feature = "formats")]
 mod read;
@@ -12,6 +14,8 @@ mod write;
 use crate::picture::{Picture, Pixel};
 use crate::scene::Rgb;
 
+#[cfg(feature = "formats")]
+pub use note::read_note;
 pub use raster::{Channels, Raster, Samples, half};
 #[cfg(feature = "formats")]
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};

@@ -1,7 +1,7 @@
 //! PNG, JPEG and WebP: eight bits per channel, as a screen shows them.
 
-use super::view::Display;
-use super::write::{content, extension, write_whole};
+use super::note;
+use super::write::{Look, content, extension, write_whole};
 use super::{Image, ImageError};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
@@ -83,8 +83,9 @@ pub(super) fn write(
     format: Format,
     image: &Image,
     alpha: Option<&[f32]>,
-    display: &Display,
+    look: &Look,
 ) -> Result<(), ImageError> {
+    let display = &look.display;
     let level = |x: f32| (255.0 * x + 0.5) as u8;
     let (bytes, color): (Vec<u8>, _) = match alpha {
         None => {
@@ -99,7 +100,11 @@ pub(super) fn write(
             (image.pixels.par_iter().zip(alpha).flat_map_iter(pixel).collect(), ExtendedColorType::Rgba8)
         }
     };
-    write_whole(path, &format.encode(&bytes, image, color).map_err(|e| content(path, e))?)
+    let mut file = format.encode(&bytes, image, color).map_err(|e| content(path, e))?;
+    if let (Format::Png, Some(text)) = (format, &look.note) {
+        note::into_png(&mut file, text);
+    }
+    write_whole(path, &file)
 }
 
 /// Writes a picture with the sRGB curve.
@@ -107,12 +112,13 @@ pub(super) fn write(
 /// # Errors
 /// A file that cannot be written.
 pub fn write_png(path: &Path, image: &Image) -> Result<(), ImageError> {
-    write(path, Format::Png, image, None, &Display::STANDARD)
+    write(path, Format::Png, image, None, &Look::default())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::view::Display;
     use crate::image::{read, read_pixels};
 
     fn ramp() -> Image {
@@ -133,9 +139,9 @@ mod tests {
         ] {
             let path = folder.path().join(name);
             assert_eq!(Format::of(&path), Some(format));
-            write(&path, format, &image, None, &Display::STANDARD).unwrap();
+            write(&path, format, &image, None, &Look::default()).unwrap();
             let first = std::fs::read(&path).unwrap();
-            write(&path, format, &image, None, &Display::STANDARD).unwrap();
+            write(&path, format, &image, None, &Look::default()).unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), first);
             let found = read_pixels(&path).unwrap();
             let levels = |p: [f32; 3]| Display::STANDARD.values(p).map(|x| 255.0 * x);
@@ -156,7 +162,7 @@ mod tests {
         let image = Image { width: 3, height: 1, pixels: vec![[0.25; 3], [0.5; 3], [0.0; 3]] };
         for (name, format) in [("a.png", Format::Png), ("a.webp", Format::WebP)] {
             let path = folder.path().join(name);
-            write(&path, format, &image, Some(&[0.5, 1.0, 0.0]), &Display::STANDARD).unwrap();
+            write(&path, format, &image, Some(&[0.5, 1.0, 0.0]), &Look::default()).unwrap();
             let found = read_pixels(&path).unwrap();
             let alpha: Vec<f32> = found.raster.pixels().map(|p| p[3]).collect();
             assert_eq!(alpha, [128.0 / 255.0, 1.0, 0.0]);

@@ -21,6 +21,8 @@ pub struct Look {
     pub display: Display,
     /// Whether the picture has alpha: the share of a pixel's samples that met a surface.
     pub alpha: bool,
+    /// A line that [`super::read_note`] finds in OpenEXR and PNG.
+    pub note: Option<String>,
 }
 
 /// Writes a rendering: `.exr` with all layers, or a [`Format`] for display.
@@ -29,12 +31,12 @@ pub struct Look {
 /// Another extension, or a file that cannot be written.
 pub fn write_picture(path: &Path, picture: &Picture, look: &Look) -> Result<(), ImageError> {
     if extension(path) == "exr" {
-        return write_whole(path, &exr_bytes(path, picture, look.alpha)?);
+        return write_whole(path, &exr_bytes(path, picture, look)?);
     }
     let extensions = ".exr, .png, .jpg, .jpeg or .webp";
     let format = Format::of(path).ok_or_else(|| ImageError::Extension(path.display().to_string(), extensions))?;
     let alpha: Option<Vec<f32>> = look.alpha.then(|| picture.pixels.iter().map(|p| picture.alpha(p)).collect());
-    screen::write(path, format, &picture.image(), alpha.as_deref(), &look.display)
+    screen::write(path, format, &picture.image(), alpha.as_deref(), look)
 }
 
 /// Lower-case extension of a path.
@@ -64,7 +66,7 @@ type ColorLayer = (&'static str, fn(&Pixel) -> Rgb);
 type PixelValue<'a> = Box<dyn Fn(&Pixel) -> f32 + Sync + 'a>;
 
 /// Layers of the EXR: the light by its way, and what the first surface is.
-fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, ImageError> {
+fn exr_bytes(path: &Path, picture: &Picture, look: &Look) -> Result<Vec<u8>, ImageError> {
     let scale = 1.0 / picture.spp.max(1) as f32;
     // What is denoised is the picture; the rest is noisy, and so is what it says of itself.
     let (whole, variance_layer) =
@@ -84,7 +86,7 @@ fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, Ima
             values.push((format!("{layer}{channel}"), Box::new(move |p| color(p)[i] * scale)));
         }
     }
-    if alpha {
+    if look.alpha {
         values.push(("A".into(), Box::new(|p: &Pixel| picture.alpha(p))));
     }
     if picture.passes > 1 {
@@ -112,6 +114,7 @@ fn exr_bytes(path: &Path, picture: &Picture, alpha: bool) -> Result<Vec<u8>, Ima
     let mut attributes = LayerAttributes::default();
     // One attribute of our own: the order of several would change from run to run.
     attributes.other.insert(SPP.into(), AttributeValue::I32(picture.spp as i32));
+    attributes.comments = look.note.as_deref().map(Into::into);
     let size = (picture.width as usize, picture.height as usize);
     // A part of a film lies where it lies in the whole.
     attributes.layer_position = exr::math::Vec2(picture.corner[0] as i32, picture.corner[1] as i32);

@@ -1,13 +1,17 @@
 //! How far a picture is from its reference.
 
 pub mod defects;
+mod flicker;
+mod truth;
 pub mod z_scores;
 
 #[cfg(feature = "flip")]
 use crate::image::to_srgb;
 use crate::image::{Image, from_srgb};
+pub use flicker::Flicker;
 use serde::Serialize;
 use thiserror::Error;
+pub use truth::Truth;
 
 /// Differences of two pictures, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -16,6 +20,8 @@ pub struct Comparison {
     pub rmse: f64,
     /// Mean over pixels and channels of squared error / (reference² + 0.01).
     pub rel_mse: f64,
+    /// The same over the 99.5 % of the pixels that differ least.
+    pub trimmed: f64,
     /// Mean difference over the mean of the reference.
     pub bias: f64,
     /// Largest difference of a channel.
@@ -30,34 +36,12 @@ pub struct Comparison {
 #[error("{}×{} pixels against {}×{}", .0.0, .0.1, .1.0, .1.1)]
 pub struct SizeMismatch(pub (u32, u32), pub (u32, u32));
 
-/// Compares a picture with its reference.
+/// Compares a picture with its only reference.
 ///
 /// # Errors
 /// Pictures of different sizes.
 pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, SizeMismatch> {
-    let (a, b) = ((image.width, image.height), (reference.width, reference.height));
-    if a != b {
-        return Err(SizeMismatch(a, b));
-    }
-    let channels = image.pixels.iter().flatten().zip(reference.pixels.iter().flatten());
-    let n = (3 * reference.pixels.len()).max(1) as f64;
-    let (mut squares, mut relative, mut difference, mut total, mut max) = (0.0, 0.0, 0.0, 0.0, 0f64);
-    for (&x, &y) in channels {
-        let (x, y) = (f64::from(x), f64::from(y));
-        let e = x - y;
-        squares += e * e;
-        relative += e * e / (y * y + 0.01);
-        difference += e;
-        total += y;
-        max = max.max(e.abs());
-    }
-    Ok(Comparison {
-        rmse: (squares / n).sqrt(),
-        rel_mse: relative / n,
-        bias: if total == 0.0 { difference } else { difference / total },
-        max,
-        flip: flip(image, reference),
-    })
+    Truth::one(reference).compare(image)
 }
 
 /// Mean ꟻLIP error of the sRGB views.

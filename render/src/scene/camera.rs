@@ -1,6 +1,6 @@
 //! The camera and its film.
 
-use glam::{Affine3A, Vec2};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec2};
 use serde::{Deserialize, Serialize};
 
 /// A camera. In its own frame it looks along +z with y up and +x to the **left** of the picture (Mitsuba's frame), so a loader of a
@@ -58,6 +58,53 @@ pub enum Projection {
         /// Half the width that the whole film shows, in scene units.
         half_width: f32,
     },
+}
+
+/// Along which axis of the film an angle of view is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FovAxis {
+    /// From left to right.
+    #[default]
+    X,
+    /// From top to bottom.
+    Y,
+    /// From corner to corner.
+    Diagonal,
+    /// The shorter of width and height.
+    Smaller,
+    /// The longer of them.
+    Larger,
+}
+
+impl FovAxis {
+    /// Half the width of the picture at distance 1, from `half` its extent along this axis; `aspect` is width over height.
+    pub fn half_width(self, half: f64, aspect: f64) -> f64 {
+        match self {
+            Self::X => half,
+            Self::Y => half * aspect,
+            Self::Diagonal => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
+            Self::Smaller if aspect > 1.0 => half * aspect,
+            Self::Larger if aspect <= 1.0 => half * aspect,
+            Self::Smaller | Self::Larger => half,
+        }
+    }
+
+    /// Horizontal angle of view, in radian as `fov` along this axis.
+    pub fn fov_x(self, fov: f64, aspect: f64) -> f64 {
+        2.0 * self.half_width((0.5 * fov).tan(), aspect).atan()
+    }
+}
+
+impl Camera {
+    /// Camera frame to world of a camera at `eye` that sees `look` in its middle and `up` upwards; `None` where they leave it open.
+    pub fn look_at(eye: DVec3, look: DVec3, up: DVec3) -> Option<Affine3A> {
+        let forward = (look - eye).try_normalize()?;
+        let left = up.try_normalize()?.cross(forward);
+        let left = if left.length() > 1e-9 { left.normalize() } else { return None };
+        let rotation = DMat3::from_cols(left, forward.cross(left), forward);
+        let to_world = DAffine3 { matrix3: rotation, translation: eye }.as_affine3a();
+        to_world.is_finite().then_some(to_world)
+    }
 }
 
 /// The pixel grid.

@@ -16,7 +16,7 @@ mod texture;
 mod validate;
 
 pub use crate::color::Rgb;
-pub use camera::{Camera, Crop, Film, Filter, Lens, Projection};
+pub use camera::{Camera, Crop, Film, Filter, FovAxis, Lens, Projection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};

@@ -1,11 +1,9 @@
 //! Which τ a rendering takes: the one asked for, or the finest that fits into a budget of time.
 
-use super::build::Builder;
 use super::caches::Caches;
 use super::file::Loaded;
-use super::policy::Policy;
-use super::settings::{Knobs, Quality, TOLERANCE};
-use super::{LightSplit, Settings};
+use super::rendering::Rendering;
+use super::settings::TOLERANCE;
 use crate::picture::Budget;
 use crate::world::World;
 use std::time::Instant;
@@ -15,11 +13,11 @@ pub(super) const FILL_SHARE: f64 = 0.5;
 
 /// τ of the first fill, from whose time that of a second is guessed. A coarser one is hardly cheaper (τ = 0.2 takes 0.6 to 0.9 of
 /// the time, for a bias of 1 %).
-const FIRST_TOLERANCE: f32 = 0.1;
+pub(crate) const FIRST_TOLERANCE: f32 = 0.1;
 
 /// Below that τ the time of a fill grows with τ^−1.1 (measured on the glossy box, the material preview, the dragon and the
 /// staircase).
-const COST_EXPONENT: f64 = 1.1;
+pub(crate) const COST_EXPONENT: f64 = 1.1;
 
 /// Share of the time left that the second fill is planned for: the guess is rough.
 const FILL_MARGIN: f64 = 0.8;
@@ -28,22 +26,18 @@ const FILL_MARGIN: f64 = 0.8;
 const WORTH_A_SECOND_FILL: f32 = 0.7;
 
 /// No budget of time asks for less.
-const SMALLEST_TOLERANCE: f32 = 0.002;
+pub(crate) const SMALLEST_TOLERANCE: f32 = 0.002;
 
-/// Caches that were filled, with the τ they were filled for and what follows from it.
+/// Caches that were filled, with the τ they were filled for.
 pub(super) struct Filled {
     pub tolerance: f32,
-    pub quality: Quality,
     pub caches: Caches,
 }
 
 /// Fills caches.
 pub(super) struct Search<'a> {
     pub world: &'a World,
-    pub policy: &'a Policy,
-    pub settings: &'a Settings,
-    pub knobs: &'a Knobs,
-    pub split: &'a LightSplit,
+    pub rendering: &'a Rendering<'a>,
     /// When the rendering began.
     pub start: Instant,
     /// Told the share of the fill that is done.
@@ -55,14 +49,13 @@ impl Search<'_> {
     pub fn run(&self, kept: Option<Loaded>) -> Filled {
         let (kept, complete) = kept.map_or((None, false), |k| (Some(k.caches), k.complete));
         if complete && let Some(caches) = kept {
-            let tolerance = self.settings.tolerance.unwrap_or(TOLERANCE);
-            return Filled { tolerance, quality: self.settings.quality(self.knobs, tolerance), caches };
+            return Filled { tolerance: self.rendering.settings.tolerance.unwrap_or(TOLERANCE), caches };
         }
-        let end = match self.settings.budget {
+        let end = match self.rendering.settings.budget {
             Budget::Time(limit) => Some(self.start + limit.mul_f64(FILL_SHARE)),
             Budget::Samples(_) | Budget::Error(_) => None,
         };
-        match (self.settings.tolerance, end) {
+        match (self.rendering.settings.tolerance, end) {
             (Some(tolerance), end) => self.fill(tolerance, kept, end),
             (None, None) => self.fill(TOLERANCE, kept, None),
             (None, Some(end)) => self.finest(kept, end),
@@ -84,8 +77,6 @@ impl Search<'_> {
     }
 
     fn fill(&self, tolerance: f32, kept: Option<Caches>, end: Option<Instant>) -> Filled {
-        let quality = self.settings.quality(self.knobs, tolerance);
-        let builder = Builder::new(self.world, self.policy, self.split.held.as_ref(), quality, self.settings.seed);
-        Filled { tolerance, quality, caches: builder.build(kept, end, self.progress) }
+        Filled { tolerance, caches: self.rendering.fill(self.world, tolerance, kept, end, self.progress) }
     }
 }

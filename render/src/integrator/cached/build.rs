@@ -4,12 +4,12 @@ use super::caches::Caches;
 use super::incident::IncidentTracer;
 use super::irradiance::COVERED;
 use super::kinds::{self, EachKind, Listed, Scratches};
-use super::points::{Point, pixel_point};
+use super::points::{Point, Sight};
 use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use super::site::Site;
 use super::views::{Pixels, RIM_VIEWS};
-use crate::cache::{Cache, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, disagreeing, insert_clamped};
+use crate::cache::{Cache, Density, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, disagreeing, insert_clamped};
 use crate::camera::RayGenerator;
 use crate::record::irradiance::IrradianceRecord;
 use crate::record::{Receiver, Record};
@@ -42,8 +42,12 @@ pub struct Builder<'a> {
     pub(super) quality: Quality,
     pub(super) seed: u64,
     /// What the middle of every pixel shows.
-    pub(super) points: Vec<Option<Point>>,
+    pub(super) sight: Sight<'a>,
     pub(super) grid: Grid,
+    /// Which pixels are looked at.
+    density: Density,
+    /// Whether records are filed anew at the end of a fill.
+    refile: bool,
     counts: Mutex<Counts>,
     /// Points of the rim of the lens.
     pub(super) rim: Vec<Vec3A>,
@@ -61,14 +65,17 @@ impl<'a> Builder<'a> {
         let generator = RayGenerator::new(&world.scene.camera);
         let window = world.scene.camera.film.window();
         let max = world.scene.integrator.max_depth.min(MAX_CHAIN);
-        let pixel = |i: u32| (window.x + i % window.width, window.y + i / window.width);
-        let points = (0..window.width * window.height)
-            .into_par_iter()
-            .map(|i| pixel_point(world, &generator, pixel(i), seed, max))
-            .collect();
+        let sight = Sight::new(world, seed, max);
         let grid = Grid { width: window.width, height: window.height };
         let rim = generator.rim(RIM_VIEWS).collect();
-        Self { world, policy, environment, quality, seed, points, grid, counts: Mutex::default(), rim }
+        let (density, refile) = (Density::Every, true);
+        Self { world, policy, environment, quality, seed, sight, grid, density, refile, counts: Mutex::default(), rim }
+    }
+
+    /// The same, which looks at fewer pixels and files no record anew: of many frames that are filled one after the other,
+    /// the last must.
+    pub(super) fn scouting(self, density: Density) -> Self {
+        Self { density, refile: false, ..self }
     }
 
     /// Fills all caches, beginning with those of an earlier run, until the deadline; `progress` is told the share of the work done.
@@ -118,7 +125,7 @@ impl<'a> Builder<'a> {
 
     /// The place of a record, for what the middle of a pixel shows.
     pub(super) fn site<'s>(&'s self, tracer: &'s IncidentTracer<'s>, point: &'s Point, pixel: usize) -> Site<'s> {
-        let pixels = Pixels { points: &self.points, grid: self.grid, rim: &self.rim };
+        let pixels = Pixels { sight: &self.sight, grid: self.grid, rim: &self.rim };
         Site { world: self.world, quality: &self.quality, seed: self.seed, pixels, tracer, point, pixel }
     }
 
@@ -127,7 +134,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn filler<'p>(&self, deadline: Option<Instant>, progress: Progress<'p>) -> Filler<'p> {
-        Filler { grid: self.grid, deadline, progress }
+        Filler { grid: self.grid, density: self.density, refile: self.refile, deadline, progress }
     }
 
     /// Adds what a record took, and drops it where a number in it is not finite.
@@ -146,7 +153,9 @@ impl<'a> Builder<'a> {
         (weight, policy): (Weight, RadiusPolicy),
         value: impl Fn(&Point, &R) -> Option<Rgb>,
     ) -> Vec<Shrink> {
-        let (Some(fraction), Some(point)) = (self.quality.spacing.adaptive, &self.points[i]) else { return Vec::new() };
+        let (Some(fraction), Some(point)) = (self.quality.spacing.adaptive, self.sight.at(i)) else {
+            return Vec::new();
+        };
         let smallest = policy.min_pixels * point.footprint;
         let at = (point.at.p, point.hemisphere_normal());
         disagreeing(cache, at, weight, (fraction, smallest), |record| value(point, record))
@@ -160,6 +169,37 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Whether pixel `i` needs no record of a kind besides those that reach it.
+    fn has_glossy<K: Listed>(&self, cache: &Cache<K::Record>, i: usize) -> bool {
+        let kind = K::of(&self.policy.kinds);
+        self.sight.at(i).is_none_or(|p| {
+            let Some(held) = self.held::<K>(p) else { return true };
+            !kind.serves(held, p.frame.to_local(p.at.wo)) || is_covered(cache, p, self.quality.weight)
+        })
+    }
+
+    /// Median width of a pixel where a lattice of pixels sees a surface; infinite where none does.
+    pub(super) fn median_footprint(&self) -> f32 {
+        const LATTICE: u32 = 16;
+        let Grid { width, height } = self.grid;
+        let middle = |i: u32, of: u32| (2 * i + 1) * of / (2 * LATTICE);
+        let pixel = |i: u32| middle(i / LATTICE, height) * width + middle(i % LATTICE, width);
+        let footprint = |i: u32| self.sight.at(pixel(i) as usize).map(|point| point.footprint);
+        let mut all: Vec<f32> = (0..LATTICE * LATTICE).filter_map(footprint).collect();
+        all.sort_by(f32::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(f32::INFINITY)
+    }
+
+    /// Number of pixels whose records do not reach them.
+    pub(super) fn holes(&self, caches: &Caches) -> usize {
+        let pixels = self.grid.width as usize * self.grid.height as usize;
+        let mut each = HolesEach { builder: self, caches: &caches.glossy, holes: vec![false; pixels] };
+        let diffuse = |(i, hole): (usize, &mut bool)| *hole = !self.has_irradiance(&caches.irradiance, i);
+        each.holes.par_iter_mut().enumerate().for_each(diffuse);
+        let Ok(()) = kinds::each(&mut each);
+        each.holes.into_iter().filter(|hole| *hole).count()
+    }
+
     /// Fills the cache of a kind.
     fn fill<K: Listed>(
         &self,
@@ -169,14 +209,9 @@ impl<'a> Builder<'a> {
         progress: Progress,
     ) {
         let (kind, quality) = (K::of(&self.policy.kinds), &self.quality);
-        let covered = |cache: &Cache<K::Record>, i: usize| {
-            self.points[i].as_ref().is_none_or(|p| {
-                let Some(held) = self.held::<K>(p) else { return true };
-                !kind.serves(held, p.frame.to_local(p.at.wo)) || is_covered(cache, p, quality.weight)
-            })
-        };
+        let covered = |cache: &Cache<K::Record>, i: usize| self.has_glossy::<K>(cache, i);
         let make = |_: &Cache<K::Record>, pixel: usize| {
-            let point = self.points[pixel].as_ref()?;
+            let point = self.sight.at(pixel)?;
             let held = self.held::<K>(point)?;
             let (record, counts) = kind.make(held, &self.site(tracer, point, pixel))?;
             self.counted(record, counts).map(|record| (record, quality.glossy.min_pixels * point.footprint))
@@ -190,6 +225,24 @@ impl<'a> Builder<'a> {
         let adapt =
             |cache: &Cache<K::Record>, i: usize| self.disagreeing(cache, i, (quality.weight, quality.glossy), light);
         self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
+    }
+}
+
+/// Pixels that no record of any kind reaches.
+struct HolesEach<'a> {
+    builder: &'a Builder<'a>,
+    caches: &'a kinds::GlossyCaches,
+    holes: Vec<bool>,
+}
+
+impl EachKind for HolesEach<'_> {
+    type Error = Infallible;
+
+    fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        let cache = K::cache(self.caches);
+        let Self { builder, holes, .. } = self;
+        holes.par_iter_mut().enumerate().for_each(|(i, hole)| *hole |= !builder.has_glossy::<K>(cache, i));
+        Ok(())
     }
 }
 

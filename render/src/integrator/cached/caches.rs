@@ -1,9 +1,11 @@
 //! The caches of a picture.
 
-use super::kinds::GlossyCaches;
+use super::file::WalkMark;
+use super::kinds::{self, EachKind, GlossyCaches, Listed};
 use crate::cache::Cache;
 use crate::record::irradiance::IrradianceRecord;
 use crate::world::Counts;
+use core::convert::Infallible;
 use glam::Vec3A;
 
 /// The caches of a picture.
@@ -17,6 +19,8 @@ pub struct Caches {
     pub glossy: GlossyCaches,
     /// What was traced for them, and what was dropped.
     pub counts: Counts,
+    /// The walk for which they were filled.
+    pub walk: Option<WalkMark>,
 }
 
 impl Caches {
@@ -27,7 +31,21 @@ impl Caches {
             irradiance: Cache::new(min, max),
             glossy: GlossyCaches::new(min, max),
             counts: Counts::default(),
+            walk: None,
         }
+    }
+
+    /// Files all records anew: sums over them then have the order that they have in caches read from a file.
+    pub fn refile(&mut self) {
+        self.coarse.refile();
+        self.irradiance.refile();
+        let Ok(()) = kinds::each(&mut RefileEach(&mut self.glossy));
+    }
+
+    /// Number of records.
+    pub fn records(&self) -> usize {
+        let glossy: usize = self.glossy.figures().iter().map(|kind| kind.records).sum();
+        self.coarse.records().len() + self.irradiance.records().len() + glossy
     }
 
     /// Memory of all records, bytes.
@@ -37,10 +55,23 @@ impl Caches {
     }
 }
 
+struct RefileEach<'a>(&'a mut GlossyCaches);
+
+impl EachKind for RefileEach<'_> {
+    type Error = Infallible;
+
+    fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        K::cache_mut(self.0).refile();
+        Ok(())
+    }
+}
+
 /// Caches that were read, and whether they are all that the camera needs.
 pub struct Loaded {
     /// The records.
     pub caches: Caches,
     /// Whether camera, τ and spacing are those the file was made for.
     pub complete: bool,
+    /// Whether τ and spacing are.
+    pub alike: bool,
 }

@@ -70,18 +70,9 @@ impl Builder<'_> {
         deadline: Option<Instant>,
         progress: &(dyn Fn(f64) + Sync),
     ) {
-        let covered = |cache: &Cache<IrradianceRecord>, i: usize| {
-            self.points[i].as_ref().is_none_or(|p| {
-                let mut best = 0f32;
-                let best_weight = |_: &IrradianceRecord, w: f32| best = best.max(w);
-                !(wanted.at)(p) || {
-                    cache.interpolate(p.at.p, p.hemisphere_normal(), Weight::Smooth, best_weight);
-                    best > COVERED
-                }
-            })
-        };
+        let covered = |cache: &Cache<IrradianceRecord>, i: usize| self.reaches(cache, i, &wanted.at);
         let make = |_: &Cache<IrradianceRecord>, pixel: usize| {
-            let point = self.points[pixel].as_ref()?;
+            let point = self.sight.at(pixel)?;
             let frame = Frame::from_normal(point.hemisphere_normal());
             let mut gather = self.site(tracer, point, pixel).gather(wanted.salt);
             let found = gather.irradiance(&frame, Strata::about(wanted.rays));
@@ -91,11 +82,27 @@ impl Builder<'_> {
             self.counted(record, gather.counts).map(|record| (record, wanted.radius.min_pixels * point.footprint))
         };
         let adapt = |cache: &Cache<IrradianceRecord>, i: usize| {
-            let unwanted = self.points[i].as_ref().is_none_or(|p| !(wanted.at)(p));
+            let unwanted = self.sight.at(i).is_none_or(|p| !(wanted.at)(p));
             let light = |p: &Point, r: &IrradianceRecord| Some(r.at(p.at.p, p.hemisphere_normal()));
             if unwanted { Vec::new() } else { self.disagreeing(cache, i, (Weight::Smooth, wanted.radius), light) }
         };
         self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
+    }
+
+    /// Whether a diffuse surface in pixel `i` needs no record besides those that reach it.
+    pub(super) fn has_irradiance(&self, cache: &Cache<IrradianceRecord>, i: usize) -> bool {
+        self.reaches(cache, i, |p: &Point| self.treatment(p) == Treatment::Irradiance)
+    }
+
+    fn reaches(&self, cache: &Cache<IrradianceRecord>, i: usize, wanted: impl Fn(&Point) -> bool) -> bool {
+        self.sight.at(i).is_none_or(|p| {
+            let mut best = 0f32;
+            let best_weight = |_: &IrradianceRecord, w: f32| best = best.max(w);
+            !wanted(p) || {
+                cache.interpolate(p.at.p, p.hemisphere_normal(), Weight::Smooth, best_weight);
+                best > COVERED
+            }
+        })
     }
 
     /// Radius of a record.

@@ -15,6 +15,7 @@ mod passes;
 mod points;
 pub mod policy;
 mod probe;
+mod rendering;
 mod report;
 mod settings;
 mod shade;
@@ -27,6 +28,7 @@ use crate::picture::{Budget, Picture};
 use crate::record::CutSettings;
 use crate::record::eas::Estimator;
 use crate::world::World;
+pub(crate) use budget::{COST_EXPONENT, FIRST_TOLERANCE, SMALLEST_TOLERANCE};
 use budget::{FILL_SHARE, Filled, Search};
 pub use build::Builder;
 pub use caches::Caches;
@@ -34,17 +36,15 @@ use file::Loaded;
 pub use incident::IncidentTracer;
 pub use kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 pub use kinds::{Description, EachKind, Listed, WithKind};
-use passes::Passes;
 pub use points::{PixelCone, Point};
 use policy::Policy;
 pub use probe::{Probe, ProbeError};
+pub use rendering::Rendering;
 pub use report::Figures;
 pub use settings::{Knobs, Quality, TOLERANCE};
 pub use shade::LightSplit;
-use shade::Shader;
 pub use site::{Gather, Site};
 use std::time::Instant;
-use surface::Grouping;
 
 /// What to render with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,23 +99,14 @@ pub fn render_with(
     progress: &(dyn Fn(f64) + Sync),
 ) -> (Picture, Figures, Caches) {
     let start = Instant::now();
-    let split = LightSplit::new(world, settings.indirect_only);
+    let rendering = Rendering::with(world, policy, settings, knobs);
     let filling = |x: f64| progress(FILL_SHARE * x);
-    let search = Search { world, policy, settings, knobs, split: &split, start, progress: &filling };
-    let Filled { tolerance, quality, caches } = search.run(kept);
+    let search = Search { world, rendering: &rendering, start, progress: &filling };
+    let Filled { tolerance, caches } = search.run(kept);
     let filled = Instant::now();
-    let shader = Shader {
-        world,
-        policy,
-        caches: &caches,
-        split: &split,
-        quality,
-        indirect_only: settings.indirect_only,
-        cone: PixelCone::new(world),
-        grouping: Grouping::new(world.scene.camera.lens.is_some()),
-    };
     let shading = |x: f64| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x);
-    let (picture, negative_pixels) = Passes::new(&shader, settings).run(start, &shading);
+    let (picture, negative_pixels) =
+        rendering.shade(world, tolerance, &caches, (settings.budget, settings.seed), start, &shading);
     let times = Figures { fill: filled - start, shade: filled.elapsed(), ..Figures::of(&caches, tolerance) };
     (picture, Figures { negative_pixels, ..times }, caches)
 }

@@ -7,9 +7,10 @@ use crate::hemisphere::View;
 use crate::integrator::media::Media;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
-use crate::scene::{MaterialId, Projection, Rgb};
+use crate::scene::{Crop, MaterialId, Projection, Rgb};
 use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
+use std::sync::OnceLock;
 
 /// A surface seen directly or through perfectly specular ones.
 #[derive(Clone, Copy, Debug)]
@@ -117,8 +118,40 @@ impl PixelCone {
     }
 }
 
+/// What the middle of every pixel shows, found where it is asked for.
+pub(super) struct Sight<'a> {
+    world: &'a World,
+    generator: RayGenerator,
+    window: Crop,
+    seed: u64,
+    /// Mirrors in a row that are looked through.
+    max: u32,
+    points: Vec<OnceLock<Option<Box<Point>>>>,
+}
+
+impl<'a> Sight<'a> {
+    /// Through the camera of a world.
+    pub fn new(world: &'a World, seed: u64, max: u32) -> Self {
+        let camera = &world.scene.camera;
+        let window = camera.film.window();
+        let count = window.width as usize * window.height as usize;
+        let points = (0..count).map(|_| OnceLock::new()).collect();
+        Self { world, generator: RayGenerator::new(camera), window, seed, max, points }
+    }
+
+    /// What the pixel of an index, row by row, shows.
+    pub fn at(&self, i: usize) -> Option<&Point> {
+        let Self { world, generator, window, seed, max, points } = self;
+        let pixel = || {
+            let at = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
+            pixel_point(world, generator, at, *seed, *max).map(Box::new)
+        };
+        points[i].get_or_init(pixel).as_deref()
+    }
+}
+
 /// What the middle of a pixel shows; choices on the way (reflection or refraction) are the sampler's first ones.
-pub fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), seed: u64, max: u32) -> Option<Point> {
+fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), seed: u64, max: u32) -> Option<Point> {
     let mut sampler = Sampler::new(seed, pixel, 0);
     let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
     match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut Queries::default(), |_, _, _| ()) {

@@ -78,7 +78,7 @@ impl Builder<'_> {
             return Err(ProbeError::Outside(x, y, window.x, right, window.y, bottom));
         }
         let i = ((y - window.y) * window.width + x - window.x) as usize;
-        let point = self.points[i].as_ref().ok_or(ProbeError::Nothing(x, y))?;
+        let point = self.sight.at(i).ok_or(ProbeError::Nothing(x, y))?;
         let no_table = |reason| {
             let name = scene.material_names.get(point.material.0 as usize).filter(|n| !n.is_empty());
             let name = name.map_or_else(|| format!("material {}", point.material.0), |n| format!("material `{n}`"));

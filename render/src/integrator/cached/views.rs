@@ -1,6 +1,6 @@
 //! The views that will read a record: those of pixels about it, and through all of a lens.
 
-use super::points::Point;
+use super::points::{Point, Sight};
 use crate::cache::{Grid, RadiusPolicy};
 use crate::hemisphere::View;
 use glam::Vec3A;
@@ -35,7 +35,7 @@ const MAX_SPREAD: f32 = 5.0;
 #[derive(Clone, Copy)]
 pub(super) struct Pixels<'a> {
     /// What the middle of every pixel shows.
-    pub points: &'a [Option<Point>],
+    pub sight: &'a Sight<'a>,
     /// Their rows and columns.
     pub grid: Grid,
     /// Points of the rim of the lens.
@@ -74,7 +74,7 @@ impl Pixels<'_> {
             if !inside || (px, py) == (x, y) {
                 continue;
             }
-            let Some(other) = &self.points[py as usize * self.grid.width as usize + px as usize] else { continue };
+            let Some(other) = self.sight.at(py as usize * self.grid.width as usize + px as usize) else { continue };
             let near = other.at.p.distance(point.at.p) <= 1.5 * reach * point.footprint;
             if near && other.material == point.material {
                 views.push(other.view());

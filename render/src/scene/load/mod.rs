@@ -18,7 +18,7 @@ mod sky;
 mod text;
 mod warnings;
 
-use super::Scene;
+use super::{Camera, FovAxis, Scene};
 use error::brief;
 use std::path::{Path, PathBuf};
 
@@ -45,6 +45,8 @@ pub struct Options {
     pub camera: Option<String>,
     /// The scene of a glTF file: its name, or its number, counted from 0 [default: the one that the file names].
     pub scene: Option<String>,
+    /// Frames per second at which the animated camera of a glTF file is followed, for [`Loaded::track`].
+    pub track: Option<f64>,
 }
 
 /// A scene, and what is not of the picture.
@@ -58,6 +60,10 @@ pub struct Loaded {
     pub cameras: Vec<Vec<String>>,
     /// Which of them takes the picture; `None` where there is none.
     pub camera: Option<usize>,
+    /// Along which axis the camera's angle of view is given in the file.
+    pub fov_axis: FovAxis,
+    /// The camera that takes the picture at every frame of the animations, 0 at their start, where it was asked for.
+    pub track: Vec<Camera>,
     /// The files that were read for it: scene text, meshes, materials, images, buffers.
     pub files: Vec<PathBuf>,
 }
@@ -88,6 +94,9 @@ pub fn open(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
             }
             if options.light_units.is_some() {
                 refuse("--light-units", "Mitsuba scenes have units of their own")?;
+            }
+            if options.track.is_some() {
+                refuse("camera:NAME@FPS", "only glTF scenes have animated cameras")?;
             }
             mitsuba::load(path, options)?
         }

@@ -1,9 +1,11 @@
 //! What a cache file was made for.
 
 use super::super::Settings;
+use super::super::caches::Caches;
 use super::super::kinds::{self, COUNT, EachKind, Listed};
 use super::super::policy::Policy;
 use super::error::CacheFileError;
+use super::mark::WalkMark;
 use crate::cache::Spacing;
 use crate::record::eas::Estimator;
 use crate::scene::checksum::{Checksums, Hash};
@@ -15,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub(super) const MAX_HEADER: usize = 1 << 16;
 
 /// What a file was made for, and how many records it holds. Numbers are checksums, but for those.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Header {
     scene: u64,
     materials: u64,
@@ -23,7 +25,7 @@ pub(super) struct Header {
     method: u64,
     camera: u64,
     estimator: Estimator,
-    tolerance: f32,
+    pub(super) tolerance: f32,
     spacing: Spacing,
     sources: Option<u64>,
     indirect_only: bool,
@@ -31,6 +33,7 @@ pub(super) struct Header {
     pub(super) irradiance: u64,
     /// Number of records of each kind, in the order of the list.
     pub(super) glossy: [u64; COUNT],
+    pub(super) walk: Option<WalkMark>,
 }
 
 impl Header {
@@ -54,6 +57,7 @@ impl Header {
             coarse: 0,
             irradiance: 0,
             glossy: [0; COUNT],
+            walk: None,
         }
     }
 
@@ -83,9 +87,34 @@ impl Header {
         same.into_iter().find(|(same, _)| !same).map_or(Ok(()), |(_, what)| Err(CacheFileError::Stale(what)))
     }
 
+    /// Whether records were made alike: at the same τ, as far from each other.
+    pub(super) fn is_alike(&self, other: &Self) -> bool {
+        self.tolerance == other.tolerance && self.spacing == other.spacing
+    }
+
+    /// The same at another τ.
+    pub(super) fn at(&self, tolerance: f32) -> Self {
+        Self { tolerance, ..self.clone() }
+    }
+
+    /// The same whatever the camera.
+    pub(super) fn without_camera(&self) -> Self {
+        Self { camera: 0, ..self.clone() }
+    }
+
+    /// Notes how many records there are, and for which walk.
+    pub(super) fn count(&mut self, caches: &Caches) {
+        self.coarse = caches.coarse.records().len() as u64;
+        self.irradiance = caches.irradiance.records().len() as u64;
+        for (count, kind) in self.glossy.iter_mut().zip(caches.glossy.figures().iter()) {
+            *count = kind.records as u64;
+        }
+        self.walk.clone_from(&caches.walk);
+    }
+
     /// Whether records are all that the camera needs.
     pub(super) fn is_complete(&self, wanted: &Self) -> bool {
-        self.camera == wanted.camera && self.tolerance == wanted.tolerance && self.spacing == wanted.spacing
+        self.camera == wanted.camera && self.is_alike(wanted)
     }
 }
 

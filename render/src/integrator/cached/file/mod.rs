@@ -6,6 +6,10 @@
 
 mod error;
 mod header;
+mod info;
+mod lock;
+mod mark;
+mod merge;
 mod reader;
 
 use super::Settings;
@@ -14,21 +18,82 @@ pub use super::caches::Loaded;
 use super::kinds::{self, EachKind, GlossyCaches, Listed};
 use super::policy::Policy;
 use crate::record::irradiance::IrradianceRecord;
+use crate::scene::checksum::Hash;
 use crate::world::World;
 use core::convert::Infallible;
 pub use error::CacheFileError;
 use header::{Header, MAX_HEADER};
+pub use info::{Info, info};
 use kit::output;
+pub use lock::Lock;
+pub use mark::WalkMark;
+pub use merge::{MergeError, merge};
 pub use reader::{Reader, write_numbers, write_words};
 use std::io::Read;
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BURNREC\n";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Writes caches: the file appears whole or not at all.
+/// What a cache file is made for. It takes time to find out: the checksums go over the whole scene.
+#[derive(Clone, Debug)]
+pub struct Key(Header);
+
+impl Key {
+    /// Of a rendering.
+    pub fn new(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -> Self {
+        Self(Header::new(world, policy, settings, tolerance))
+    }
+
+    /// The same for another τ.
+    pub fn at(&self, tolerance: f32) -> Self {
+        Self(self.0.at(tolerance))
+    }
+
+    /// Tells whether anything but the camera is the same.
+    pub fn checksum(&self) -> Result<u64, CacheFileError> {
+        let mut hash = Hash::default();
+        hash.bytes(&self.0.without_camera().encoded()?);
+        Ok(hash.finish())
+    }
+
+    /// Writes caches: the file appears whole or not at all.
+    ///
+    /// # Errors
+    /// A place that cannot be written.
+    pub fn save(&self, path: &Path, caches: &Caches) -> Result<(), CacheFileError> {
+        Ok(output::write(path, &to_bytes(&self.0, caches)?)?)
+    }
+
+    /// Reads caches that fit the scene, its materials and tables. Allocates no more than a small multiple of the file.
+    ///
+    /// # Errors
+    /// A file that is damaged, or that was made for something else.
+    pub fn load(&self, path: &Path, world: &World) -> Result<Loaded, CacheFileError> {
+        self.read(&read(path)?, world)
+    }
+
+    fn read(&self, bytes: &[u8], world: &World) -> Result<Loaded, CacheFileError> {
+        let (found, mut reader) = open(bytes)?;
+        found.check(&self.0)?;
+        reader.materials = world.scene.materials.len() as u32;
+        let (min, max) = world.bounds();
+        let caches = records(&found, reader, Caches::new(min, max))?;
+        Ok(Loaded { caches, complete: found.is_complete(&self.0), alike: found.is_alike(&self.0) })
+    }
+}
+
+/// Checksum of all records.
+pub fn checksum(caches: &Caches) -> u64 {
+    let (mut bytes, mut hash) = (Vec::new(), Hash::default());
+    write_records(caches, &mut bytes);
+    hash.bytes(&bytes);
+    hash.finish()
+}
+
+/// [`Key::save`] of a rendering.
 ///
 /// # Errors
 /// A place that cannot be written.
@@ -40,25 +105,10 @@ pub fn save(
     tolerance: f32,
     caches: &Caches,
 ) -> Result<(), CacheFileError> {
-    let mut header = Header::new(world, policy, settings, tolerance);
-    header.coarse = caches.coarse.records().len() as u64;
-    header.irradiance = caches.irradiance.records().len() as u64;
-    for (count, kind) in header.glossy.iter_mut().zip(caches.glossy.figures().iter()) {
-        *count = kind.records as u64;
-    }
-    let encoded = header.encoded()?;
-    let mut bytes = MAGIC.to_vec();
-    write_words(&mut bytes, [VERSION, encoded.len() as u32]);
-    bytes.extend(encoded);
-    for record in caches.coarse.records().iter().chain(caches.irradiance.records()) {
-        write_numbers(&mut bytes, record.to_numbers());
-    }
-    let Ok(()) = kinds::each(&mut WriteEach { caches: &caches.glossy, bytes: &mut bytes });
-    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-    Ok(output::write(path, &bytes)?)
+    Key::new(world, policy, settings, tolerance).save(path, caches)
 }
 
-/// Reads caches that fit the scene, its materials and tables. Allocates no more than a small multiple of the file.
+/// [`Key::load`] of a rendering.
 ///
 /// # Errors
 /// A file that is damaged, or that was made for something else.
@@ -69,9 +119,7 @@ pub fn load(
     settings: &Settings,
     tolerance: f32,
 ) -> Result<Loaded, CacheFileError> {
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
-    from_bytes(&bytes, world, policy, settings, tolerance)
+    Key::new(world, policy, settings, tolerance).load(path, world)
 }
 
 /// [`load`] from memory.
@@ -85,7 +133,37 @@ pub fn from_bytes(
     settings: &Settings,
     tolerance: f32,
 ) -> Result<Loaded, CacheFileError> {
-    let mut reader = Reader { bytes, materials: world.scene.materials.len() as u32 };
+    Key::new(world, policy, settings, tolerance).read(bytes, world)
+}
+
+fn to_bytes(header: &Header, caches: &Caches) -> Result<Vec<u8>, CacheFileError> {
+    let mut header = header.clone();
+    header.count(caches);
+    let encoded = header.encoded()?;
+    let mut bytes = MAGIC.to_vec();
+    write_words(&mut bytes, [VERSION, encoded.len() as u32]);
+    bytes.extend(encoded);
+    write_records(caches, &mut bytes);
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    Ok(bytes)
+}
+
+fn write_records(caches: &Caches, bytes: &mut Vec<u8>) {
+    for record in caches.coarse.records().iter().chain(caches.irradiance.records()) {
+        write_numbers(bytes, record.to_numbers());
+    }
+    let Ok(()) = kinds::each(&mut WriteEach { caches: &caches.glossy, bytes });
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, CacheFileError> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The header of a file that is whole, and a reader of its records, who takes any material.
+fn open(bytes: &[u8]) -> Result<(Header, Reader<'_>), CacheFileError> {
+    let mut reader = Reader { bytes, materials: u32::MAX };
     if reader.take(8)? != MAGIC {
         return Err(CacheFileError::Format("wrong magic"));
     }
@@ -100,22 +178,23 @@ pub fn from_bytes(
     if length > MAX_HEADER {
         return Err(CacheFileError::Format("header"));
     }
-    let found = Header::decoded(reader.take(length)?)?;
-    let wanted = Header::new(world, policy, settings, tolerance);
-    found.check(&wanted)?;
-    let (min, max) = world.bounds();
-    let mut caches = Caches::new(min, max);
-    for (cache, count) in [(&mut caches.coarse, found.coarse), (&mut caches.irradiance, found.irradiance)] {
+    Ok((Header::decoded(reader.take(length)?)?, reader))
+}
+
+/// Adds the records of a file to empty caches.
+fn records(header: &Header, mut reader: Reader, mut caches: Caches) -> Result<Caches, CacheFileError> {
+    for (cache, count) in [(&mut caches.coarse, header.coarse), (&mut caches.irradiance, header.irradiance)] {
         for _ in 0..count {
             cache.insert(IrradianceRecord::from_numbers(reader.numbers()?));
         }
     }
-    let counts = found.glossy.iter();
+    let counts = header.glossy.iter();
     kinds::each(&mut ReadEach { caches: &mut caches.glossy, counts, reader: &mut reader })?;
     if reader.bytes.len() != 4 {
         return Err(CacheFileError::Format("bytes left over"));
     }
-    Ok(Loaded { caches, complete: found.is_complete(&wanted) })
+    caches.walk.clone_from(&header.walk);
+    Ok(caches)
 }
 
 struct WriteEach<'a> {

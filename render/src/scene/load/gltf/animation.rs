@@ -132,6 +132,21 @@ impl Animations {
         self.channels.is_empty()
     }
 
+    /// When the last key is, seconds.
+    pub fn end(&self) -> f32 {
+        self.channels.iter().map(|channel| channel.curve.end()).fold(0.0, f32::max)
+    }
+
+    /// Whether any of these nodes moves.
+    pub fn move_node(&self, nodes: &[usize]) -> bool {
+        self.channels.iter().any(|channel| nodes.contains(&channel.node))
+    }
+
+    /// Whether none but these nodes moves.
+    pub fn move_only(&self, nodes: &[usize]) -> bool {
+        self.channels.iter().all(|channel| nodes.contains(&channel.node))
+    }
+
     /// How the nodes stand at a time in seconds; those that nothing moves stand as in `rest`. Before its first key and
     /// after its last one, nothing moves.
     pub fn pose(&self, time: f32, rest: &Pose) -> Pose {

@@ -12,8 +12,9 @@ use gltf::camera::Projection;
 /// A camera of the file and where it stands.
 pub(super) struct Placed<'a> {
     camera: gltf::Camera<'a>,
+    node: usize,
     /// Name of the node.
-    node: Option<String>,
+    name: Option<String>,
     to_world: DAffine3,
 }
 
@@ -21,7 +22,7 @@ impl<'a> Builder<'a> {
     /// Keeps a camera until all are known.
     pub(super) fn camera(&mut self, node: &gltf::Node<'a>, to_world: DAffine3) {
         if let Some(camera) = node.camera() {
-            self.cameras.push(Placed { camera, node: node.name().map(Into::into), to_world });
+            self.cameras.push(Placed { camera, node: node.index(), name: node.name().map(Into::into), to_world });
         }
     }
 
@@ -30,7 +31,7 @@ impl<'a> Builder<'a> {
         let cameras = std::mem::take(&mut self.cameras);
         let names = |placed: &'_ Placed<'_>| -> Vec<String> {
             let mut own: Vec<String> =
-                placed.node.clone().into_iter().chain(placed.camera.name().map(Into::into)).collect();
+                placed.name.clone().into_iter().chain(placed.camera.name().map(Into::into)).collect();
             own.dedup();
             own
         };
@@ -45,7 +46,10 @@ impl<'a> Builder<'a> {
             self.warn(format_args!("only the first camera takes a picture; --camera chooses from {}", list(&names)));
         }
         match cameras.get(chosen) {
-            Some(Placed { camera, to_world, .. }) => self.set_camera(camera, *to_world)?,
+            Some(Placed { camera, node, to_world, .. }) => {
+                self.scene.camera = self.camera_at(camera, *to_world)?;
+                self.camera = Some((camera.clone(), *node));
+            }
             None => {
                 self.warn("the file has no camera: the picture is taken from a corner, with everything in it");
                 self.scene.camera = frame_everything(&self.scene, Vec3::Y).unwrap_or_default();
@@ -54,7 +58,8 @@ impl<'a> Builder<'a> {
         Ok((names, (!cameras.is_empty()).then_some(chosen)))
     }
 
-    fn set_camera(&mut self, camera: &gltf::Camera, to_world: DAffine3) -> Result<(), FileError> {
+    /// A camera where its node stands.
+    pub(super) fn camera_at(&self, camera: &gltf::Camera, to_world: DAffine3) -> Result<Camera, FileError> {
         let error = |what: String| self.data.error(format_args!("camera {}: {what}", camera.index()));
         // Scaling of a camera and of what it hangs on is ignored (glTF 3.10.2).
         let rotation = without_scale(to_world.matrix3).ok_or_else(|| error("its transform is singular".into()))?;
@@ -76,7 +81,7 @@ impl<'a> Builder<'a> {
         };
         // glTF looks along −z with x to the right, this crate's cameras along +z with x to the left.
         let turn = DMat3::from_diagonal(glam::DVec3::new(-1.0, 1.0, -1.0));
-        self.scene.camera = Camera {
+        Ok(Camera {
             to_world: DAffine3 { matrix3: rotation * turn, translation: to_world.translation }.as_affine3a(),
             projection,
             near,
@@ -87,7 +92,6 @@ impl<'a> Builder<'a> {
                 ..Camera::default().film
             },
             ..Camera::default()
-        };
-        Ok(())
+        })
     }
 }

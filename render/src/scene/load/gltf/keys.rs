@@ -53,6 +53,11 @@ impl Curve {
         Ok(Self { times, values, width, interpolation })
     }
 
+    /// Time of the last key.
+    pub fn end(&self) -> f32 {
+        self.times.last().copied().unwrap_or_default()
+    }
+
     /// The key before a time, the one after it, and where between them the time is, from 0 to 1.
     fn keys(&self, time: f32) -> (usize, usize, f64) {
         let after = self.times.partition_point(|t| *t <= time);

@@ -22,13 +22,14 @@ mod scenes;
 mod sides;
 mod skin;
 mod texture;
+mod track;
 mod uri;
 
 use super::choose::choose;
 use super::error::{FileError, LoadError, brief};
 use super::mesh::{Finish, Mirrored, finish};
 use super::{Loaded, Options, left_out};
-use crate::scene::{Geometry, Group, Instance, Mesh, Scene, Shape};
+use crate::scene::{FovAxis, Geometry, Group, Instance, Mesh, Scene, Shape};
 use animation::Animations;
 use data::Data;
 use document::SUPPORTED;
@@ -64,14 +65,26 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
         let mut builder = Builder::new(&data, &document, options);
         match options.animation_time {
             Some(time) => builder.animate(&text, time)?,
-            None if animations > 0 => {
+            None if animations > 0 && options.track.is_none() => {
                 builder.warn("animations are ignored: --frame or --time-of-animation picks a moment of them");
             }
             None => {}
         }
         let (cameras, camera) = builder.document(&document, options)?;
+        let track = match options.track {
+            Some(fps) => builder.track(&text, fps)?,
+            None => Vec::new(),
+        };
         let files = data.files(&document, builder.images_read());
-        Ok(Loaded { scene: builder.scene, warnings: builder.warnings, cameras, camera, files })
+        Ok(Loaded {
+            scene: builder.scene,
+            warnings: builder.warnings,
+            cameras,
+            camera,
+            files,
+            fov_axis: FovAxis::Y,
+            track,
+        })
     }));
     result
         .unwrap_or_else(|_| Err(FileError::new(path, "damaged: the glTF library failed on it")))
@@ -98,6 +111,8 @@ struct Builder<'a> {
     /// Placements of every mesh.
     placements: BTreeMap<Posed, Vec<DAffine3>>,
     cameras: Vec<camera::Placed<'a>>,
+    /// That which takes the picture, and its node.
+    camera: Option<(gltf::Camera<'a>, usize)>,
     /// Whether Blender wrote the file.
     blender: bool,
     units: LightUnits,
@@ -122,6 +137,7 @@ impl<'a> Builder<'a> {
             skins: BTreeMap::new(),
             placements: BTreeMap::new(),
             cameras: Vec::new(),
+            camera: None,
             blender: document.as_json().asset.generator.as_ref().is_some_and(|g| g.contains("Blender I/O")),
             units: LightUnits::Standard,
             nodes: 0,

@@ -100,6 +100,11 @@ impl Pose {
         self.nodes[node].place.to_parent()
     }
 
+    /// A node and those that it hangs on.
+    pub fn line(&self, node: usize) -> Vec<usize> {
+        core::iter::successors(Some(node), |n| self.parents[*n]).take(MAX_DEPTH).collect()
+    }
+
     /// A node's transform to the world, whether or not the scene holds the node.
     ///
     /// # Errors

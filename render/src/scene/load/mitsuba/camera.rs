@@ -4,7 +4,7 @@ use super::Builder;
 use super::object::Object;
 use crate::scene::load::error::LoadError;
 use crate::scene::load::similarity::similarity;
-use crate::scene::{Camera, Crop, Film, Filter, Lens, Projection};
+use crate::scene::{Camera, Crop, Film, Filter, FovAxis, Lens, Projection};
 use glam::{DAffine3, DMat3, Vec2};
 
 /// Larger films are refused.
@@ -35,7 +35,7 @@ impl Builder<'_> {
         let to_world = object.transform("to_world")?;
         let aspect = f64::from(film.width) / f64::from(film.height);
         let parallel = object.plugin == "orthographic";
-        let Placed { rotation, projection, depth } = if parallel {
+        let Placed { rotation, projection, depth, axis } = if parallel {
             orthographic(object, to_world.matrix3)?
         } else {
             perspective(object, to_world.matrix3, aspect)?
@@ -46,6 +46,7 @@ impl Builder<'_> {
             return Err(object.error(format!("clip distances of {near} and {far}")));
         }
         let lens = if object.plugin == "thinlens" { lens(object, far)? } else { None };
+        self.fov_axis = axis;
         self.scene.camera = Camera {
             to_world: DAffine3 { matrix3: rotation, translation: to_world.translation }.as_affine3a(),
             projection,
@@ -122,14 +123,15 @@ struct Placed {
     projection: Projection,
     /// Factor on the distance of the near plane.
     depth: f32,
+    axis: FovAxis,
 }
 
 /// No ray depends on the frame's scale as long as it is the same along all axes.
 fn perspective(object: &Object, matrix: DMat3, aspect: f64) -> Result<Placed, LoadError> {
     let (rotation, _) = similarity(matrix)
         .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal and of equal length"))?;
-    let projection = Projection::Perspective { fov_x: fov_x(object, aspect)? as f32 };
-    Ok(Placed { rotation, projection, depth: 1.0 })
+    let (fov_x, axis) = fov_x(object, aspect)?;
+    Ok(Placed { rotation, projection: Projection::Perspective { fov_x: fov_x as f32 }, depth: 1.0, axis })
 }
 
 /// The film is 2 units of the frame wide: the scale of x and y sets what it shows, that of z moves the near plane
@@ -140,7 +142,7 @@ fn orthographic(object: &Object, matrix: DMat3) -> Result<Placed, LoadError> {
     let (rotation, _) = similarity(cubic)
         .ok_or_else(|| object.error("the transform distorts: its axes must be orthogonal, x and y of equal length"))?;
     let projection = Projection::Orthographic { half_width: width as f32 };
-    Ok(Placed { rotation, projection, depth: depth as f32 })
+    Ok(Placed { rotation, projection, depth: depth as f32, axis: FovAxis::X })
 }
 
 /// The lens of a `thinlens`, lengths in scene units; one that is not focused is sharp at the far plane, one without radius
@@ -157,13 +159,21 @@ fn lens(object: &Object, far: f32) -> Result<Option<Lens>, LoadError> {
     }
 }
 
-/// Horizontal field of view in radians from `fov` and `fov_axis`, or from `focal_length`; `aspect` is width over height.
-fn fov_x(object: &Object, aspect: f64) -> Result<f64, LoadError> {
+/// Horizontal field of view in radians from `fov` and `fov_axis`, or from `focal_length`, and the axis; `aspect` is width over
+/// height.
+fn fov_x(object: &Object, aspect: f64) -> Result<(f64, FovAxis), LoadError> {
     let fov = object.number("fov")?;
-    let axis = object.text("fov_axis")?.unwrap_or("x").to_ascii_lowercase();
+    let axis = match object.text("fov_axis")?.unwrap_or("x").to_ascii_lowercase().as_str() {
+        "x" => FovAxis::X,
+        "y" => FovAxis::Y,
+        "diagonal" => FovAxis::Diagonal,
+        "smaller" => FovAxis::Smaller,
+        "larger" => FovAxis::Larger,
+        other => return Err(object.error(format!("no such field of view axis: `{other}`"))),
+    };
     // Half the extent of the picture along the axis, at distance 1.
     let (half, axis) = match fov {
-        Some(degrees) if degrees > 0.0 && degrees < 180.0 => ((0.5 * degrees.to_radians()).tan(), axis.as_str()),
+        Some(degrees) if degrees > 0.0 && degrees < 180.0 => ((0.5 * degrees.to_radians()).tan(), axis),
         Some(degrees) => return Err(object.error(format!("a field of view of {degrees} degrees"))),
         None => {
             let text = object.text("focal_length")?.unwrap_or("50mm");
@@ -171,31 +181,8 @@ fn fov_x(object: &Object, aspect: f64) -> Result<f64, LoadError> {
             let millimetres = millimetres.ok().filter(|f| *f > 0.0 && f.is_finite());
             let millimetres = millimetres.ok_or_else(|| object.error(format!("a focal length of `{text}`")))?;
             // The diagonal of 35 mm film, 36 mm × 24 mm.
-            (0.5 * 36f64.hypot(24.0) / millimetres, "diagonal")
+            (0.5 * 36f64.hypot(24.0) / millimetres, FovAxis::Diagonal)
         }
     };
-    let axis = match axis {
-        "smaller" => {
-            if aspect > 1.0 {
-                "y"
-            } else {
-                "x"
-            }
-        }
-        "larger" => {
-            if aspect > 1.0 {
-                "x"
-            } else {
-                "y"
-            }
-        }
-        axis => axis,
-    };
-    let half_width = match axis {
-        "x" => half,
-        "y" => half * aspect,
-        "diagonal" => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
-        other => return Err(object.error(format!("no such field of view axis: `{other}`"))),
-    };
-    Ok(2.0 * half_width.atan())
+    Ok((2.0 * axis.half_width(half, aspect).atan(), axis))
 }

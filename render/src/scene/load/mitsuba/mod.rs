@@ -20,7 +20,7 @@ use super::choose::{choose, list};
 use super::error::{LoadError, brief};
 use super::image::Images;
 use super::{Loaded, Options, SkySource, left_out};
-use crate::scene::{IntegratorSettings, MaterialId, Scene, TextureId};
+use crate::scene::{FovAxis, IntegratorSettings, MaterialId, Scene, TextureId};
 use object::Object;
 use objects::{ObjectId, Objects};
 use std::collections::HashMap;
@@ -42,9 +42,9 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, LoadError> {
     warnings.append(&mut builder.warnings);
     warnings.extend(left_out("shapes are left out: no", &builder.missing_meshes));
     warnings.extend(left_out("textures are an even grey: no", &builder.missing_textures));
-    let Builder { scene, files, .. } = builder;
+    let Builder { scene, files, fov_axis, .. } = builder;
     warnings.extend(objects.unused());
-    Ok(Loaded { scene, warnings, cameras, camera: Some(camera), files })
+    Ok(Loaded { scene, warnings, cameras, camera: Some(camera), files, fov_axis, track: Vec::new() })
 }
 
 /// A scene in the making.
@@ -69,6 +69,8 @@ struct Builder<'a> {
     missing_textures: Vec<String>,
     /// Files that were read.
     files: Vec<PathBuf>,
+    /// Along which the sensor gives its field of view.
+    fov_axis: FovAxis,
 }
 
 impl<'a> Builder<'a> {
@@ -88,6 +90,7 @@ impl<'a> Builder<'a> {
             missing_meshes: Vec::new(),
             missing_textures: Vec::new(),
             files: Vec::new(),
+            fov_axis: FovAxis::default(),
         }
     }
 

@@ -7,7 +7,7 @@ use super::error::{FileError, LoadError, read_file};
 use super::framing::frame_everything;
 use super::mesh::{Finish, finish, obj, ply, smooth_normals, stl};
 use super::{Loaded, Options};
-use crate::scene::{Environment, Geometry, Mesh, Rgb, Scene, Shape};
+use crate::scene::{Environment, FovAxis, Geometry, Mesh, Rgb, Scene, Shape};
 use glam::Vec3;
 use materials::Library;
 use std::path::Path;
@@ -27,6 +27,7 @@ pub fn load(path: &Path, extension: &str, options: &Options) -> Result<Loaded, L
         (options.camera.is_some(), "--camera"),
         (options.scene.is_some(), "--scene"),
         (options.light_units.is_some(), "--light-units"),
+        (options.track.is_some(), "camera:NAME@FPS"),
     ];
     if let Some((_, option)) = unused.iter().find(|(given, _)| *given) {
         return Err(FileError::new(path, format_args!("{option}: a model has no parameters, cameras or lamps")).into());
@@ -68,7 +69,15 @@ pub fn load(path: &Path, extension: &str, options: &Options) -> Result<Loaded, L
     }
     let camera = frame_everything(&scene, up);
     scene.camera = camera.ok_or_else(|| FileError::new(path, "nothing to draw: it has no extent"))?;
-    Ok(Loaded { scene, warnings, cameras: Vec::new(), camera: None, files: library.files })
+    Ok(Loaded {
+        scene,
+        warnings,
+        cameras: Vec::new(),
+        camera: None,
+        files: library.files,
+        fov_axis: FovAxis::X,
+        track: Vec::new(),
+    })
 }
 
 /// The mesh in parts of one material each, in the order in which they are first used; `begins` says from which triangle

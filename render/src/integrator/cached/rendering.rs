@@ -1,0 +1,108 @@
+//! What the pictures of one world through caches share.
+
+use super::Settings;
+use super::build::Builder;
+use super::caches::Caches;
+use super::passes::Passes;
+use super::points::PixelCone;
+use super::policy::Policy;
+use super::settings::{Knobs, Quality};
+use super::shade::{LightSplit, Shader};
+use super::surface::Grouping;
+use crate::cache::Density;
+use crate::picture::{Budget, Picture};
+use crate::world::World;
+use std::time::Instant;
+
+/// How the pictures of one world are rendered, whatever camera it has when they are.
+#[derive(Clone, Debug)]
+pub struct Rendering<'a> {
+    /// Treatment of the materials.
+    pub policy: &'a Policy,
+    /// What to render with.
+    pub settings: Settings,
+    knobs: Knobs,
+    split: LightSplit,
+}
+
+impl<'a> Rendering<'a> {
+    /// With the numbers that pictures are rendered with.
+    pub fn new(world: &World, policy: &'a Policy, settings: &Settings) -> Self {
+        Self::with(world, policy, settings, &Knobs::default())
+    }
+
+    /// With other numbers.
+    pub(super) fn with(world: &World, policy: &'a Policy, settings: &Settings, knobs: &Knobs) -> Self {
+        Self { policy, settings: *settings, knobs: *knobs, split: LightSplit::new(world, settings.indirect_only) }
+    }
+
+    fn quality(&self, tolerance: f32) -> Quality {
+        self.settings.quality(&self.knobs, tolerance)
+    }
+
+    /// Adds to caches, until the deadline, what the camera of the world needs at τ.
+    pub fn fill(
+        &self,
+        world: &World,
+        tolerance: f32,
+        kept: Option<Caches>,
+        deadline: Option<Instant>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Caches {
+        self.builder(world, tolerance, self.settings.seed).build(kept, deadline, progress)
+    }
+
+    /// The same for one of many frames, with a seed of its own, and looking at fewer pixels. Afterwards sums over records have
+    /// an order of their own until [`Caches::refile`].
+    pub fn fill_frame(
+        &self,
+        world: &World,
+        tolerance: f32,
+        kept: Caches,
+        (density, seed): (Density, u64),
+        deadline: Option<Instant>,
+    ) -> Caches {
+        self.builder(world, tolerance, seed).scouting(density).build(Some(kept), deadline, &|_| ())
+    }
+
+    /// How near the camera of a world is to what it sees: the median width of a pixel there.
+    pub fn footprint(&self, world: &World) -> f32 {
+        self.builder(world, super::TOLERANCE, self.settings.seed).median_footprint()
+    }
+
+    /// Share of the pixels of the camera of the world that need a record which is not there.
+    pub fn holes(&self, world: &World, tolerance: f32, caches: &Caches) -> f64 {
+        let window = world.scene.camera.film.window();
+        let holes = self.builder(world, tolerance, self.settings.seed).holes(caches);
+        holes as f64 / (f64::from(window.width) * f64::from(window.height)).max(1.0)
+    }
+
+    fn builder<'w>(&'w self, world: &'w World, tolerance: f32, seed: u64) -> Builder<'w> {
+        Builder::new(world, self.policy, self.split.held.as_ref(), self.quality(tolerance), seed)
+    }
+
+    /// The picture that the camera of the world takes, from caches that were filled for τ, within the budget, which began at
+    /// `start`, with sample points of this seed; and the number of its pixels whose indirect light is negative in some channel.
+    pub fn shade(
+        &self,
+        world: &World,
+        tolerance: f32,
+        caches: &Caches,
+        (budget, seed): (Budget, u64),
+        start: Instant,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> (Picture, u64) {
+        let shader = Shader {
+            world,
+            policy: self.policy,
+            caches,
+            split: &self.split,
+            quality: self.quality(tolerance),
+            indirect_only: self.settings.indirect_only,
+            cone: PixelCone::new(world),
+            grouping: Grouping::new(world.scene.camera.lens.is_some()),
+        };
+        let settings = Settings { budget, seed, ..self.settings };
+        Passes::new(&shader, &settings).run(start, progress)
+    }
+}

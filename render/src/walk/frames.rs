@@ -1,0 +1,58 @@
+//! Drawing a frame.
+
+use crate::film;
+use crate::integrator::PathTracer;
+use crate::integrator::cached::{Caches, Rendering};
+use crate::picture::{Budget, Picture};
+use crate::scene::Camera;
+use crate::world::World;
+use std::time::Instant;
+
+/// What frames are drawn from.
+pub enum Source<'a> {
+    /// Path tracing.
+    Traced {
+        /// Seed of all sample points.
+        seed: u64,
+        /// Whether light that is scattered less than twice is left out.
+        indirect_only: bool,
+    },
+    /// Caches that were filled for τ.
+    Cached {
+        /// How pictures are rendered.
+        rendering: &'a Rendering<'a>,
+        /// τ.
+        tolerance: f32,
+        /// The records.
+        caches: &'a Caches,
+    },
+}
+
+impl Source<'_> {
+    /// Draws what the camera of a frame sees, within the budget. Each frame has sample points of its own: noise that stood still on
+    /// the film would look like dirt on the lens.
+    pub fn draw(
+        &self,
+        world: &mut World,
+        (frame, camera): (u32, &Camera),
+        budget: Budget,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Picture {
+        world.scene.camera.clone_from(camera);
+        match *self {
+            Self::Traced { seed, indirect_only } => {
+                let integrator = PathTracer { settings: world.scene.integrator, indirect_only };
+                film::render(world, &integrator, budget, seed_of(seed, frame), progress)
+            }
+            Self::Cached { rendering, tolerance, caches } => {
+                let seed = seed_of(rendering.settings.seed, frame);
+                rendering.shade(world, tolerance, caches, (budget, seed), Instant::now(), progress).0
+            }
+        }
+    }
+}
+
+/// The seed of a frame.
+pub(super) fn seed_of(seed: u64, frame: u32) -> u64 {
+    seed.wrapping_add(u64::from(frame).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}

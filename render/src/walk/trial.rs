@@ -1,0 +1,70 @@
+//! What a budget of time for every frame buys, found out with a few of them.
+
+use super::frames::{Source, seed_of};
+use super::path::Walk;
+use crate::cache::Density;
+use crate::integrator::cached::{COST_EXPONENT, Caches, FIRST_TOLERANCE, Rendering, SMALLEST_TOLERANCE};
+use crate::picture::Budget;
+use crate::world::World;
+use std::time::{Duration, Instant};
+
+/// Times the fill of a whole path takes what that of three of its frames does, about (measured in the glossy box and two
+/// staircases: 1.5 to 3).
+const GROWTH: f64 = 2.0;
+/// Share of the time for the fill that it is planned for: the guess is rough.
+const MARGIN: f64 = 0.8;
+/// Share of a frame's time that is planned for: others may take longer than those on trial.
+const FRAME_MARGIN: f64 = 0.95;
+/// Samples per pixel on trial.
+const TRIAL: [u32; 2] = [1, 4];
+/// Most samples per pixel that a trial chooses.
+const MAX_SPP: f64 = 65_536.0;
+
+/// The first frame of a path, one in its middle, and the last, without repetitions.
+fn on_trial(walk: &Walk) -> Vec<u32> {
+    let (first, last) = walk.frames().into_inner();
+    let mut frames = vec![first, first + (last - first) / 2, last];
+    frames.dedup();
+    frames
+}
+
+/// The τ whose fill for the whole path takes about this time, by filling a few frames coarsely.
+pub fn choose_tolerance(world: &mut World, rendering: &Rendering, walk: &Walk, time: Duration) -> f32 {
+    let start = Instant::now();
+    let (min, max) = world.bounds();
+    let mut caches = Caches::new(min, max);
+    let frames = on_trial(walk);
+    let few = frames.len() as u32 == walk.frames().end() - walk.frames().start() + 1;
+    for frame in frames {
+        if let Some(camera) = walk.camera(frame) {
+            world.scene.camera.clone_from(camera);
+        }
+        let how = (Density::Every, seed_of(rendering.settings.seed, frame));
+        caches = rendering.fill_frame(world, FIRST_TOLERANCE, caches, how, Some(start + time));
+    }
+    let spent = start.elapsed().as_secs_f64();
+    let left = MARGIN * (time.as_secs_f64() - spent).max(1e-3);
+    let growth = if few { 1.0 } else { GROWTH };
+    let share = (growth * spent / left).powf(1.0 / COST_EXPONENT) as f32;
+    (FIRST_TOLERANCE * share).clamp(SMALLEST_TOLERANCE, FIRST_TOLERANCE)
+}
+
+/// Samples per pixel that frames can have in this time each, by drawing a few of them.
+pub fn choose_samples(world: &mut World, source: &Source, walk: &Walk, time: Duration) -> u32 {
+    // What does not grow with the samples, and what each adds.
+    let (mut fixed, mut each, mut count) = (0.0, 0.0, 0.0);
+    for frame in on_trial(walk) {
+        let Some(camera) = walk.camera(frame) else { continue };
+        let [few, more] = TRIAL.map(|spp| {
+            let start = Instant::now();
+            source.draw(world, (frame, camera), Budget::Samples(spp), &|_| ());
+            start.elapsed().as_secs_f64()
+        });
+        let slope = ((more - few) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
+        each += slope;
+        fixed += (few - slope * f64::from(TRIAL[0])).max(0.0);
+        count += 1.0;
+    }
+    let spp = (FRAME_MARGIN * time.as_secs_f64() * count - fixed) / f64::max(each, 1e-6);
+    spp.clamp(1.0, MAX_SPP) as u32
+}
