@@ -31,7 +31,7 @@ impl TriangleBvh {
             nodes: Vec::new(),
             leaves: Vec::new(),
             root: None,
-            level: eight_lanes(),
+            level: Level::new(),
             bounds: (Vec3A::INFINITY, Vec3A::NEG_INFINITY),
         };
         if triangles.is_empty() {
@@ -59,17 +59,6 @@ impl TriangleBvh {
     pub fn bytes(&self) -> usize {
         self.nodes.len() * size_of::<Node>() + self.leaves.len() * size_of::<Leaf>()
     }
-}
-
-/// The instructions for eight lanes that the path loop is compiled for as well ([`crate::simd::widest`]): AVX-512 has no more to
-/// give to eight lanes, and what is compiled for other instructions than its caller is a call instead of a part of it.
-fn eight_lanes() -> Level {
-    let level = Level::new();
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Some(avx2) = level.as_avx2() {
-        return Level::Avx2(avx2);
-    }
-    level
 }
 
 /// Wide nodes, the root first, and the leaves of the binary tree that they refer to. No node where the root is a leaf.
