@@ -20,7 +20,7 @@ pub(super) struct Denoising {
     /// Library of Open Image Denoise, or the folder that holds it [default: the environment variable OIDN_LIBRARY, else where
     /// the system finds libraries].
     ///
-    /// `pip download --no-deps pyoidn` and `unzip pyoidn-*.whl` leave it in pyoidn/oidn/lib.
+    /// `pip download --no-deps pyoidn` and `python3 -m zipfile -e pyoidn-*.whl oidn` leave it in oidn/pyoidn/oidn/lib.
     #[arg(long, value_name = "FILE|DIR")]
     oidn: Option<PathBuf>,
 }

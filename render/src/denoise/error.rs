@@ -7,8 +7,8 @@ use std::path::PathBuf;
 pub enum DenoiseError {
     /// The system knows no Open Image Denoise.
     #[error(
-        "Open Image Denoise is not installed: get it with `pip download --no-deps pyoidn && unzip pyoidn-*.whl`, then give \
-         --oidn pyoidn/oidn/lib (or set OIDN_LIBRARY); --denoise builtin needs nothing"
+        "Open Image Denoise is not installed: get it with `pip download --no-deps pyoidn && python3 -m zipfile -e pyoidn-*.whl oidn`, \
+         then give --oidn oidn/pyoidn/oidn/lib (or set OIDN_LIBRARY); --denoise builtin needs nothing"
     )]
     NotFound,
     /// A folder without it.

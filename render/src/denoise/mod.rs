@@ -115,6 +115,7 @@ impl Denoiser {
     }
 
     /// Direct and indirect light without noise; `None` where a layer is black.
+    #[cfg_attr(not(feature = "oidn"), expect(unused_variables, reason = "our own has one effort"))]
     fn run(&self, layers: &Layers, effort: Effort) -> Result<[Option<Vec<[f32; 3]>>; 2], DenoiseError> {
         match &self.kind {
             #[cfg(feature = "oidn")]
