@@ -36,6 +36,11 @@ impl<'a> Site<'a> {
         &self.builder.quality
     }
 
+    /// Whether pictures from elsewhere will read the record, as in a walk.
+    pub fn is_one_of_many(&self) -> bool {
+        self.builder.is_one_of_many()
+    }
+
     /// The surface.
     pub fn point(&self) -> &'a Point {
         self.point

@@ -7,7 +7,7 @@ use crate::color::luminance;
 use crate::hemisphere::{GatherSample, View, hemisphere_directions};
 use crate::integrator::cached::points::Point;
 use crate::integrator::cached::site::Site;
-use crate::record::eas::{EasRecord, Estimator};
+use crate::record::eas::{EasRecord, Estimator, ViewCone};
 use crate::record::{Centroid, Hessian, Receiver, Record, Reflector, Scratch, Tree, cut};
 use crate::world::Counts;
 use glam::Vec3A;
@@ -23,6 +23,14 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
+/// The cone about the mirror direction of the first view that holds those of all.
+fn cone(views: &[View]) -> ViewCone {
+    let mirrors: Vec<Vec3A> = views.iter().map(View::mirror).collect();
+    let Some(axis) = mirrors.first() else { return ViewCone::ALL };
+    let cos = mirrors.iter().map(|mirror| mirror.dot(*axis)).fold(1.0, f32::min).clamp(-1.0, 1.0);
+    ViewCone { axis: axis.to_array(), half_angle: cos.acos() }
+}
+
 impl Eas {
     /// The record of a place, its tree's samples, and what they took.
     pub fn record(&self, held: Held, site: &Site) -> Option<(EasRecord, Vec<GatherSample>, Counts)> {
@@ -32,7 +40,7 @@ impl Eas {
         let parts = site.parts()?;
         let reflector = Reflector::of(&lobe.table, &parts);
         let mut gather = site.gather(Self::SALT);
-        let mut reach = quality.glossy.max_pixels;
+        let (mut reach, mut seen) = (quality.glossy.max_pixels, ViewCone::ALL);
         let (mut samples, tree, directions) = match quality.estimator {
             Estimator::Paper => {
                 let mut samples = gather.uniform(&frame, quality.paper_rays);
@@ -42,6 +50,9 @@ impl Eas {
             Estimator::Improved => {
                 let (views, pixels) = site.views(lobe.width);
                 reach = pixels;
+                if site.is_one_of_many() {
+                    seen = cone(&views);
+                }
                 let cells = site.guided_cells(&frame, &views, lobe.width);
                 let most = cells.iter().map(|c| c.1).max().unwrap_or(1);
                 let mut samples = gather.cells(&frame, &cells);
@@ -54,6 +65,7 @@ impl Eas {
         let nearest = samples.iter().map(|s| s.inv_distance).fold(0.0, f32::max);
         let point = site.point();
         let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
+        record.views = seen;
         let policy = RadiusPolicy { max_pixels: reach, ..quality.glossy };
         record.set_radius(self.radius(held, &record, (site, point, &parts), 1.0 / nearest, policy));
         samples.shrink_to_fit();
