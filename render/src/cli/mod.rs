@@ -37,6 +37,7 @@ enum Command {
     /// Render a scene.
     Image(image::Args),
     /// Draw the frames of a walk through a scene, from caches that are filled once.
+    #[command(long_about = walk::LONG_ABOUT)]
     Walk(Box<walk::Args>),
     /// Look into files of records, and join those that were filled apart.
     Cache(cache::Args),

@@ -14,6 +14,13 @@ pub struct View {
     pub wo: Vec3A,
 }
 
+impl View {
+    /// The direction that a mirror would show it.
+    pub fn mirror(&self) -> Vec3A {
+        2.0 * self.normal.dot(self.wo) * self.normal - self.wo
+    }
+}
+
 /// Sizes of the cells of a record: fine, at a set ratio to the lobe's width, about the mirror directions of the views, and
 /// coarser with the distance from them. Without views, fine everywhere.
 #[derive(Clone, Debug)]
@@ -39,7 +46,7 @@ const GROWTH: f32 = 0.5;
 impl Guide {
     /// Looks at what `views` reflect.
     pub fn new(frame: &Frame, views: &[View], lobe_width: f32, fineness: f32) -> Self {
-        let mirror = |v: &View| frame.to_local(2.0 * v.normal.dot(v.wo) * v.normal - v.wo);
+        let mirror = |v: &View| frame.to_local(v.mirror());
         Self { mirrors: views.iter().map(mirror).collect(), lobe_width, fineness }
     }
 

@@ -69,10 +69,47 @@ impl Eas {
     }
 }
 
+/// Which views a record was made for: the directions that a mirror in its place would show them lie in this cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewCone {
+    /// Unit axis, world space.
+    pub axis: [f32; 3],
+    /// Half angle, radian; π and more for any view.
+    pub half_angle: f32,
+}
+
+impl ViewCone {
+    /// Of a record that serves any view.
+    pub const ALL: Self = Self { axis: [0.0, 0.0, 1.0], half_angle: core::f32::consts::PI };
+    /// Distances from the cone, in lobe widths, up to which a record is as fine as it should be, and from which it says nothing: a
+    /// guide divides finely up to two widths about every mirror direction.
+    const FINE: f32 = 1.0;
+    const COARSE: f32 = 3.0;
+
+    /// Whether it holds any view.
+    #[inline]
+    pub fn is_all(&self) -> bool {
+        self.half_angle >= core::f32::consts::PI
+    }
+
+    /// How far a record is fine enough, from 0 to 1, for a view whose mirror direction is this.
+    #[inline]
+    pub fn trust(&self, mirror: Vec3A, lobe_width: f32) -> f32 {
+        if self.is_all() {
+            return 1.0;
+        }
+        let angle = Vec3A::from_array(self.axis).dot(mirror).clamp(-1.0, 1.0).acos();
+        let beyond = (angle - self.half_angle) / lobe_width;
+        ((Self::COARSE - beyond) / (Self::COARSE - Self::FINE)).clamp(0.0, 1.0)
+    }
+}
+
 /// All sources of one point.
 #[derive(Clone, Debug)]
 pub struct EasRecord {
     zone: Zone,
+    /// The views that it was made for.
+    pub views: ViewCone,
     /// Radiance that is everywhere, taken out of the sources.
     pub background: Rgb,
     /// The sources.
@@ -129,12 +166,12 @@ impl EasRecord {
                 }
             })
             .collect();
-        Self { zone: Zone::at(position, frame, material), background, sources }
+        Self { zone: Zone::at(position, frame, material), views: ViewCone::ALL, background, sources }
     }
 
     /// A record as a file holds it.
-    pub fn restored(zone: Zone, background: Rgb, sources: Box<[Eas]>) -> Self {
-        Self { zone, background, sources }
+    pub fn restored(zone: Zone, views: ViewCone, background: Rgb, sources: Box<[Eas]>) -> Self {
+        Self { zone, views, background, sources }
     }
 
     /// Irradiance at the record, W·m⁻².
@@ -218,6 +255,15 @@ mod tests {
     #[test]
     fn a_source_takes_forty_bytes() {
         assert_eq!(size_of::<Eas>(), 40);
+    }
+
+    #[test]
+    fn a_cone_trusts_the_views_that_it_holds() {
+        let cone = ViewCone { axis: [0.0, 0.0, 1.0], half_angle: 0.2 };
+        let trust = |angle: f32| cone.trust(Vec3A::new(angle.sin(), 0.0, angle.cos()), 0.1);
+        assert_eq!((trust(0.0), trust(0.29), trust(0.51), trust(3.0)), (1.0, 1.0, 0.0, 0.0));
+        assert!((trust(0.4) - 0.5).abs() < 1e-3);
+        assert_eq!(ViewCone::ALL.trust(-Vec3A::Z, 0.1), 1.0);
     }
 
     #[test]

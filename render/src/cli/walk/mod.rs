@@ -23,7 +23,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 use task::Task;
 
-const LONG_ABOUT: &str = "\
+/// What `--help` teaches.
+pub const LONG_ABOUT: &str = "\
 Draw the frames of a walk: many pictures of one scene through a camera that moves. The caches are filled once for the whole \
 path; then every frame only reads them, so that light does not flicker from frame to frame.
 
@@ -37,7 +38,6 @@ cache with --fill-only, draw with --frames-only anywhere, and go on after a loss
 /// Arguments of `render walk`.
 #[derive(Debug, clap::Args)]
 #[command(
-    long_about = LONG_ABOUT,
     mut_arg("output", |a| a.required(false).help("Frames to write, as out/####.exr or .png with # for the digits of the number; may be given for each format")),
     mut_arg("time", |a| a.hide(true)),
     mut_arg("show_records", |a| a.hide(true)),

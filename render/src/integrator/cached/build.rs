@@ -74,6 +74,8 @@ impl<'a> Builder<'a> {
 
     /// The same, which looks at fewer pixels and files no record anew: of many frames that are filled one after the other,
     /// the last must.
+    ///
+    /// Glossy records then know which views they were made for, and others get their own.
     pub(super) fn scouting(self, density: Density) -> Self {
         Self { density, refile: false, ..self }
     }
@@ -126,7 +128,16 @@ impl<'a> Builder<'a> {
     /// The place of a record, for what the middle of a pixel shows.
     pub(super) fn site<'s>(&'s self, tracer: &'s IncidentTracer<'s>, point: &'s Point, pixel: usize) -> Site<'s> {
         let pixels = Pixels { sight: &self.sight, grid: self.grid, rim: &self.rim };
-        Site { world: self.world, quality: &self.quality, seed: self.seed, pixels, tracer, point, pixel }
+        Site {
+            world: self.world,
+            quality: &self.quality,
+            seed: self.seed,
+            is_one_of_many: !self.refile,
+            pixels,
+            tracer,
+            point,
+            pixel,
+        }
     }
 
     pub(super) fn treatment(&self, point: &Point) -> Treatment {
@@ -174,7 +185,9 @@ impl<'a> Builder<'a> {
         let kind = K::of(&self.policy.kinds);
         self.sight.at(i).is_none_or(|p| {
             let Some(held) = self.held::<K>(p) else { return true };
-            !kind.serves(held, p.frame.to_local(p.at.wo)) || is_covered(cache, p, self.quality.weight)
+            let mirror = p.view().mirror();
+            let trust = |record: &K::Record| kind.trust(held, record, mirror);
+            !kind.serves(held, p.frame.to_local(p.at.wo)) || is_covered(cache, p, self.quality.weight, trust)
         })
     }
 
@@ -267,12 +280,12 @@ impl EachKind for FillEach<'_> {
     }
 }
 
-/// Whether records of the material of a point reach it with enough weight.
-fn is_covered<R: Record>(cache: &Cache<R>, p: &Point, weight: Weight) -> bool {
+/// Whether records of the material of a point reach it with enough weight and trust.
+fn is_covered<R: Record>(cache: &Cache<R>, p: &Point, weight: Weight, trust: impl Fn(&R) -> f32) -> bool {
     let mut best = 0f32;
     cache.interpolate(p.at.p, p.hemisphere_normal(), weight, |r, w| {
         if r.zone().material == p.material.0 {
-            best = best.max(w);
+            best = best.max(w * trust(r));
         }
     });
     // Ward's weight is 1 where the zone ends.

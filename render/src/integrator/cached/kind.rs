@@ -67,6 +67,11 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// Whether records serve a view at all, whose direction to the eye is `wo` in the local frame.
     fn serves(&self, held: Self::Held, wo: Vec3A) -> bool;
 
+    /// How far a record is fine enough, from 0 to 1, for a view whose mirror direction (world space) is this.
+    fn trust(&self, _: Self::Held, _: &Self::Record, _: Vec3A) -> f32 {
+        1.0
+    }
+
     /// The record of a place, its radius set, and what it took.
     fn make(&self, held: Self::Held, site: &Site) -> Option<(Self::Record, Counts)>;
 

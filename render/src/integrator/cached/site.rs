@@ -26,6 +26,8 @@ pub struct Site<'a> {
     pub(super) quality: &'a Quality,
     /// Seed of all sample points.
     pub(super) seed: u64,
+    /// Whether the picture is one of many frames.
+    pub(super) is_one_of_many: bool,
     /// What other pixels show.
     pub(super) pixels: Pixels<'a>,
     /// Follows paths.
@@ -40,6 +42,11 @@ impl<'a> Site<'a> {
     /// Rays, spacing, tolerance.
     pub fn quality(&self) -> &'a Quality {
         self.quality
+    }
+
+    /// Whether pictures from elsewhere will read the record, as in a walk.
+    pub fn is_one_of_many(&self) -> bool {
+        self.is_one_of_many
     }
 
     /// The surface.

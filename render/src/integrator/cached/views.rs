@@ -50,9 +50,8 @@ impl Pixels<'_> {
         let mut reach = max_pixels;
         loop {
             let views = self.views_within(point, i, reach);
-            let mirror = |v: &View| 2.0 * v.normal.dot(v.wo) * v.normal - v.wo;
-            let center = mirror(&views[0]);
-            let spread = views.iter().map(|v| mirror(v).dot(center)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
+            let center = views[0].mirror();
+            let spread = views.iter().map(|v| v.mirror().dot(center)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
             if reach <= min_pixels || spread <= MAX_SPREAD * lobe_width {
                 // What is seen in mirrors is seen by another lens than this.
                 let direct = self.rim.iter().filter(|_| point.segments == 1);

@@ -4,10 +4,10 @@ use super::{Eas, GlossyKind, Held};
 use crate::bsdf::Parts;
 use crate::cache::RadiusPolicy;
 use crate::color::luminance;
-use crate::hemisphere::{GatherSample, hemisphere_directions, nearest, view_directions};
+use crate::hemisphere::{GatherSample, View, hemisphere_directions, nearest, view_directions};
 use crate::integrator::cached::points::Point;
 use crate::integrator::cached::site::Site;
-use crate::record::eas::{EasRecord, Estimator};
+use crate::record::eas::{EasRecord, Estimator, ViewCone};
 use crate::record::{Centroid, Receiver, Record, Reflector, Scratch, Tree, cut};
 use crate::world::Counts;
 use glam::Vec3A;
@@ -15,6 +15,14 @@ use std::cell::RefCell;
 
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// The cone about the mirror direction of the first view that holds those of all.
+fn cone(views: &[View]) -> ViewCone {
+    let mirrors: Vec<Vec3A> = views.iter().map(View::mirror).collect();
+    let Some(axis) = mirrors.first() else { return ViewCone::ALL };
+    let cos = mirrors.iter().map(|mirror| mirror.dot(*axis)).fold(1.0, f32::min).clamp(-1.0, 1.0);
+    ViewCone { axis: axis.to_array(), half_angle: cos.acos() }
 }
 
 impl Eas {
@@ -26,7 +34,7 @@ impl Eas {
         let parts = site.parts()?;
         let reflector = Reflector::of(&lobe.table, &parts);
         let mut gather = site.gather(Self::SALT);
-        let mut reach = quality.glossy.max_pixels;
+        let (mut reach, mut seen) = (quality.glossy.max_pixels, ViewCone::ALL);
         let (mut samples, tree, directions) = match quality.estimator {
             Estimator::Paper => {
                 let mut samples = gather.uniform(&frame, quality.paper_rays);
@@ -36,6 +44,9 @@ impl Eas {
             Estimator::Improved => {
                 let (views, pixels) = site.views(lobe.width);
                 reach = pixels;
+                if site.is_one_of_many() {
+                    seen = cone(&views);
+                }
                 let cells = site.guided_cells(&frame, &views, lobe.width);
                 let mut samples = gather.cells(&frame, &cells);
                 let tree = Tree::of_cells(&mut samples, &cells);
@@ -45,6 +56,7 @@ impl Eas {
         let cut = cut(&tree, &reflector, &directions, &quality.cut);
         let point = site.point();
         let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
+        record.views = seen;
         let policy = RadiusPolicy { max_pixels: reach, ..quality.glossy };
         record.set_radius(self.radius(held, &record, (site, point, &parts), nearest(&samples), policy));
         samples.shrink_to_fit();

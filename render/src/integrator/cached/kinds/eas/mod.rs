@@ -82,6 +82,11 @@ impl GlossyKind for Eas {
         true
     }
 
+    #[inline]
+    fn trust(&self, held: Held, record: &EasRecord, mirror: Vec3A) -> f32 {
+        record.views.trust(mirror, self.lobes[held.lobe].width)
+    }
+
     fn make(&self, held: Held, site: &Site) -> Option<(EasRecord, Counts)> {
         let (record, _, counts) = self.record(held, site)?;
         Some((record, counts))
