@@ -38,7 +38,7 @@
 //!
 //! - [`family`]: tables of whatever roughness without a fit.
 //!
-//! Features, on by default: `fs` ([`Table::load`] and [`Table::save`]), `families` (the families that are shipped, 1.5 MB).
+//! Features, on by default: `fs` ([`Table::load`] and [`Table::save`]), `families` (the families that are shipped, 0.2 MB).
 
 pub mod axis;
 pub mod batch;

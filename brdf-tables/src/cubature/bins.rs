@@ -142,9 +142,8 @@ impl Bins {
     /// The index of a rule or the count is wrong.
     pub fn new(axes: Axes, nodes: &[Node]) -> Result<Self, PartsError> {
         let solid_angle = |height: f64| TAU * height.min(1.0);
-        let omegas = |[low, high]: [f64; 2]| {
-            nodes_between(solid_angle(low), solid_angle(high), |x| axes.omega_place(x).index)
-        };
+        let omegas =
+            |[low, high]: [f64; 2]| nodes_between(solid_angle(low), solid_angle(high), |x| axes.omega_place(x).index);
         Self::fill(Heights::PLAIN, axes, nodes, omegas)
     }
 
@@ -180,8 +179,7 @@ impl Bins {
         PartsError::count(Some(axes.len()), nodes.len())?;
         PartsError::first("node", nodes, |n| n.is_valid())?;
         let azimuths = if axes.phi == 1 { 1 } else { AZIMUTHS };
-        let omegas: Vec<[usize; 2]> =
-            (heights.first..=heights.last).map(|bin| omegas(heights.bounds(bin))).collect();
+        let omegas: Vec<[usize; 2]> = (heights.first..=heights.last).map(|bin| omegas(heights.bounds(bin))).collect();
         let mut cells = Vec::with_capacity(COSINES * azimuths * omegas.len());
         let cosine = |i: usize| i as f64 / COSINES as f64;
         // |y|/(|x| + |y|) of a horizontal direction is uniform in the bins.

@@ -63,7 +63,8 @@ impl Family {
             FormatError::Version(version) => FormatError::FamilyVersion(version),
             error => error,
         })?;
-        let (_, Stored { header, axes, shape }, payload) = opened.ok_or(FormatError::FamilyMagic)?;
+        let seal::Opened { header, payload, .. } = opened.ok_or(FormatError::FamilyMagic)?;
+        let Stored { header, axes, shape } = header;
         let bad = |what: &str| FormatError::Header(what.into());
         if header.promise.iter().chain([&header.tolerance]).any(|x| !(x.is_finite() && *x >= 0.0)) {
             return Err(bad("tolerance or promise is not a positive number"));
@@ -81,7 +82,8 @@ impl Family {
                 }
                 let (nodes, spare) = rest.as_chunks::<NODE>();
                 PartsError::count(Some(0), spare.len())?;
-                let node = |&[rules, outer, far]: &[u8; NODE]| Node { disc: rules & 15, product: rules >> 4, outer, far };
+                let node =
+                    |&[rules, outer, far]: &[u8; NODE]| Node { disc: rules & 15, product: rules >> 4, outer, far };
                 Store::Rules(RuleCells::new(axes, nodes.iter().map(node).collect()))
             }
             Shape::Zonal { rows, columns, scale } => {

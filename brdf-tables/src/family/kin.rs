@@ -23,8 +23,7 @@ pub enum Kin {
 
 impl Kin {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Phong, Self::Ward1992, Self::WardBounded, Self::Beckmann, Self::Ggx, Self::Sheen];
+    pub const ALL: [Self; 6] = [Self::Phong, Self::Ward1992, Self::WardBounded, Self::Beckmann, Self::Ggx, Self::Sheen];
 
     /// The name of the model, as [`Model::name`](crate::brdf::Model::name) has it.
     pub fn name(self) -> &'static str {
@@ -77,6 +76,17 @@ impl Kin {
     }
 }
 
+/// A model with other widths, as [`Kin::member`] takes them, and all else as it is; `None` for one that is of no family.
+pub fn resized(specular: &Specular, widths: [f64; 2]) -> Option<Specular> {
+    let (kin, _) = Kin::of(specular)?;
+    Some(match (kin.member(widths), *specular) {
+        (Specular::Microfacet(facets), Specular::Microfacet(Microfacet { fresnel, .. })) => {
+            Specular::Microfacet(Microfacet { fresnel, ..facets })
+        }
+        (member, _) => member,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,8 +100,12 @@ mod tests {
                 let (kin, widths) = Kin::of(&specular).unwrap();
                 assert_eq!(kin.name(), model.name);
                 let again = kin.member(widths);
-                assert_eq!((again.lobe_width(), again.is_isotropic()), (specular.lobe_width(), specular.is_isotropic()));
+                assert_eq!(
+                    (again.lobe_width(), again.is_isotropic()),
+                    (specular.lobe_width(), specular.is_isotropic())
+                );
                 assert_eq!(again == specular, specular.fresnel().is_none());
+                assert_eq!(resized(&specular, widths), Some(specular));
             }
         }
     }

@@ -105,7 +105,10 @@ mod tests {
         for reach in [None, Some(0), Some(1), Some(3)] {
             let lattice = Lattice { widths: (0..=6).map(|i| f64::from(1 << i)).collect(), reach };
             assert!(lattice.is_valid());
-            assert_eq!(lattice.cells(), [6, 6, 11, 18][[None, Some(0), Some(1), Some(3)].iter().position(|r| *r == reach).unwrap()]);
+            assert_eq!(
+                lattice.cells(),
+                [6, 6, 11, 18][[None, Some(0), Some(1), Some(3)].iter().position(|r| *r == reach).unwrap()]
+            );
             for index in 0..lattice.cells() {
                 let [x, y] = lattice.intervals_of(index);
                 assert!(x >= y && x - y <= lattice.reach());

@@ -26,7 +26,7 @@ mod zonal;
 
 pub use cell::Measured;
 pub use file::{MAGIC, VERSION};
-pub use kin::Kin;
+pub use kin::{Kin, resized};
 pub use lattice::{Cell, Lattice};
 pub use rules::RuleCells;
 #[cfg(feature = "families")]
@@ -100,7 +100,8 @@ impl Family {
             Store::Rules(_) => header.kin.has_two_widths() || !lattice.has_two_widths(),
         };
         let ends = [lattice.widths.first(), lattice.widths.last()];
-        let member = |w: Option<&f64>| w.is_some_and(|&w| Material::specular(header.kin.member([w; 2])).validate().is_ok());
+        let member =
+            |w: Option<&f64>| w.is_some_and(|&w| Material::specular(header.kin.member([w; 2])).validate().is_ok());
         if !lattice.is_valid() || !ends.into_iter().all(member) {
             return Err(PartsError::Size { what: "the lattice of widths" });
         }
@@ -139,13 +140,24 @@ impl Family {
         let (cell, widths) = self.place(&specular)?;
         let sharpness = specular.lobe_width().powi(-2);
         let representation = match &self.store {
-            Store::Rules(rules) => Representation::Cubature(rules.table(&self.header.lattice, self.header.kin, cell, specular)?),
+            Store::Rules(rules) => {
+                Representation::Cubature(rules.table(&self.header.lattice, self.header.kin, cell, specular)?)
+            }
             Store::Zonal(slices) => Representation::Zonal(slices.table(&self.header.lattice, widths[0], specular)?),
         };
         let FamilyHeader { creator, command, seed, tolerance, promise, notes, at_nodes, off_nodes, clipped, .. } =
             self.header.clone();
         let header = Header {
-            material: *material, creator, command, seed, tolerance, promise, notes, at_nodes, off_nodes, clipped,
+            material: *material,
+            creator,
+            command,
+            seed,
+            tolerance,
+            promise,
+            notes,
+            at_nodes,
+            off_nodes,
+            clipped,
         };
         let axes = Axes { sharpness, ..self.axes };
         Some(Table { header, representation, axes, cells: self.cells(cell, axes) })

@@ -146,9 +146,8 @@ impl Table {
     /// Whatever is wrong with them; never a panic.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let known = |version| (VERSION - 1..=VERSION).contains(&version);
-        let (version, stored, payload) =
-            seal::open::<Stored>(bytes, MAGIC, known)?.ok_or(FormatError::Magic)?;
-        stored.build(payload, version)
+        let opened = seal::open::<Stored>(bytes, MAGIC, known)?.ok_or(FormatError::Magic)?;
+        opened.header.build(opened.payload, opened.version)
     }
 }
 

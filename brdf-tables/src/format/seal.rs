@@ -31,6 +31,13 @@ pub(crate) fn seal(
     Ok(bytes)
 }
 
+/// What is within the frame.
+pub(crate) struct Opened<'a, H> {
+    pub version: u32,
+    pub header: H,
+    pub payload: &'a [u8],
+}
+
 /// Version, header and payload of the bytes of a file that begins with `magic`, if it is of a version that is `known`.
 ///
 /// # Errors
@@ -39,7 +46,7 @@ pub(crate) fn open<H: DeserializeOwned>(
     bytes: &[u8],
     magic: [u8; 8],
     known: impl Fn(u32) -> bool,
-) -> Result<Option<(u32, H, &[u8])>, FormatError> {
+) -> Result<Option<Opened<'_, H>>, FormatError> {
     let length =
         |what, expected: usize| FormatError::Length { what, expected: expected as u64, found: bytes.len() as u64 };
     let word = |at: usize| bytes.get(at..at + 4).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b));
@@ -67,5 +74,5 @@ pub(crate) fn open<H: DeserializeOwned>(
     if used != size {
         return Err(FormatError::Header(format!("{used} of its {size} bytes are used")));
     }
-    Ok(Some((version, header, &bytes[16 + size..end])))
+    Ok(Some(Opened { version, header, payload: &bytes[16 + size..end] }))
 }

@@ -42,7 +42,9 @@ pub fn material(argument: &str) -> anyhow::Result<Material> {
 pub fn table(path: &Path) -> anyhow::Result<Table> {
     match file(path)? {
         File::Table(table) => Ok(*table),
-        File::Family(_) => bail!("{}: a family of tables, where the table of one material is asked for", path.display()),
+        File::Family(_) => {
+            bail!("{}: a family of tables, where the table of one material is asked for", path.display())
+        }
     }
 }
 

@@ -17,8 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   fitter fit-family ggx -o families
       to families/ggx.fam and families/ggx-anisotropic.fam
-  fitter fit-family all -o brdf-tables/families
-      those that the library brings with it, to the same bytes
+  fitter fit-family all -o families
+      of every model
   fitter check families/ggx.fam
       whether it keeps its promise, at roughnesses and caps off its nodes";
 
@@ -52,16 +52,15 @@ struct Models(Vec<Kin>);
 
 fn models() -> impl TypedValueParser<Value = Models> {
     let names = Kin::ALL.map(Kin::name).into_iter().chain(["all"]);
-    PossibleValuesParser::new(names).map(|name| {
-        Models(Kin::ALL.into_iter().filter(|kin| name == "all" || name == kin.name()).collect())
-    })
+    PossibleValuesParser::new(names)
+        .map(|name| Models(Kin::ALL.into_iter().filter(|kin| name == "all" || name == kin.name()).collect()))
 }
 
 /// Fits, writes and reports one after the other.
 pub fn run(args: Args) -> anyhow::Result<Outcome> {
     args.threads.apply()?;
     let plans: Vec<Plan> = (args.model.0.iter())
-        .flat_map(|kin| [false, true].into_iter().filter_map(|two_widths| Plan::shipped(*kin, two_widths)))
+        .flat_map(|kin| [false, true].into_iter().filter_map(|two_widths| Plan::new(*kin, two_widths)))
         .collect();
     let path = |plan: &Plan| {
         let stem = Family::file_stem(plan.kin, plan.lattice.has_two_widths());
@@ -90,7 +89,8 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
 
 /// With the command line of the one family, every argument in it that shapes the bytes.
 fn options<'a>(args: &Args, plan: &Plan, progress: &'a (dyn Fn(f64) + Sync)) -> Options<'a> {
-    let tolerance = if args.tolerance == TOLERANCE { String::new() } else { format!(" --tolerance {}", args.tolerance) };
+    let tolerance =
+        if args.tolerance == TOLERANCE { String::new() } else { format!(" --tolerance {}", args.tolerance) };
     let command = format!("fitter fit-family {}{tolerance} --seed {}", plan.kin.name(), args.seed);
     Options { tolerance: args.tolerance, seed: args.seed, command, progress }
 }

@@ -19,11 +19,11 @@ pub struct Plan {
 }
 
 /// Widest ratio of the two widths, in intervals.
-const REACH: u32 = 5;
+const REACH: u32 = 3;
 
 impl Plan {
-    /// The plan of a family that is shipped; `None` of two widths where the model has one.
-    pub fn shipped(kin: Kin, two_widths: bool) -> Option<Self> {
+    /// The plan for a model; `None` of two widths where the model has one.
+    pub fn new(kin: Kin, two_widths: bool) -> Option<Self> {
         if two_widths && !kin.has_two_widths() {
             return None;
         }
@@ -37,10 +37,11 @@ impl Plan {
             (Kin::Phong, _) => (1..=16).rev().map(|i| (f64::from(i) / 16.0).powi(-2)).chain([2e3, 1e5]).collect(),
             (Kin::Sheen, _) => spaced(0.07, 1.0, 8),
             (_, false) => spaced(1e-3, 1.0, 20),
-            (_, true) => spaced(1e-2, 1.0, 10),
+            (_, true) => spaced(1e-2, 1.0, 7),
         };
         let grid = |theta, phi, omega| Axes { theta, phi, omega, sharpness: 1.0, stretch: 0.5 };
-        let (axes, error_axes) = if two_widths { (grid(10, 5, 20), grid(5, 3, 6)) } else { (grid(13, 1, 24), grid(10, 1, 10)) };
+        let (axes, error_axes) =
+            if two_widths { (grid(8, 4, 16), grid(5, 3, 6)) } else { (grid(13, 1, 24), grid(10, 1, 10)) };
         Some(Self { kin, lattice: Lattice { widths, reach: two_widths.then_some(REACH) }, axes, error_axes })
     }
 }
@@ -50,9 +51,7 @@ pub(super) fn inside(kin: Kin, lattice: &Lattice, cell: usize) -> Vec<Specular> 
     let middle = lattice.intervals_of(cell).map(|i| (lattice.widths[i] * lattice.widths[i + 1]).sqrt());
     // Of a lattice of two widths, x is the wider, also where a corner lies on the diagonal.
     let ordered = |[x, y]: [f64; 2]| [x, if lattice.has_two_widths() { y.min(x * (1.0 - 1e-6)) } else { y }];
-    let within = |corner: [f64; 2]| {
-        ordered(core::array::from_fn(|k| corner[k] * (middle[k] / corner[k]).powf(1e-4)))
-    };
+    let within = |corner: [f64; 2]| ordered(core::array::from_fn(|k| corner[k] * (middle[k] / corner[k]).powf(1e-4)));
     lattice.corners(cell).into_iter().map(|corner| kin.member(within(corner))).collect()
 }
 
@@ -85,7 +84,7 @@ mod tests {
     fn members_lie_within() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
         for (kin, two) in Kin::ALL.into_iter().flat_map(|kin| [(kin, false), (kin, true)]) {
-            let Some(Plan { lattice, .. }) = Plan::shipped(kin, two) else {
+            let Some(Plan { lattice, .. }) = Plan::new(kin, two) else {
                 assert!(two && !kin.has_two_widths());
                 continue;
             };

@@ -1,7 +1,7 @@
 //! Rules of cubature for the cells of a family: those that do for the members at all corners.
 
 use super::{Options, Plan, values};
-use crate::fit::cubature::{Chooser, Search, spread};
+use crate::fit::cubature::{Chooser, Effort, spread};
 use brdf_tables::cap::Cap;
 use brdf_tables::cubature::Node;
 use brdf_tables::family::{RuleCells, Store};
@@ -18,7 +18,7 @@ pub(super) fn fit(plan: &Plan, options: &Options) -> (Store, Vec<String>) {
             .corners(cell)
             .into_iter()
             .map(|widths| kin.member(widths))
-            .map(|s| (s.lobe_width().powi(-2), Chooser::new(s, options.tolerance, values, Search::Halves)))
+            .map(|s| (s.lobe_width().powi(-2), Chooser::new(s, options.tolerance, values, Effort::Quick)))
             .collect();
         let nodes: Vec<Node> = (0..axes.len())
             .into_par_iter()

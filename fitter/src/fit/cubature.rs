@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
     let phi = if specular.is_isotropic() { 1 } else { 5 };
     let axes = Axes { theta: 13, phi, omega: 24, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
-    let chooser = Chooser::new(*specular, options.tolerance, values, Search::Each);
+    let chooser = Chooser::new(*specular, options.tolerance, values, Effort::Full);
     let done = AtomicUsize::new(0);
     let nodes: Vec<Node> = (0..axes.len())
         .into_par_iter()
@@ -54,29 +54,33 @@ pub(crate) struct Chooser {
     candidates: [Cubature; RULES.len()],
     tolerance: f64,
     values: Values,
-    search: Search,
+    effort: Effort,
 }
 
 /// How the cheapest rule of a kind is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Search {
+pub(crate) enum Effort {
     /// One after the other.
-    Each,
-    /// By halves, as if every rule were better than those before: what is found meets the tolerance, though a cheaper one might.
-    Halves,
+    Full,
+    /// By halves, as if every rule were better than those before, and over half as many directions: what is found meets the
+    /// tolerance, though a cheaper one might. A fifth of the time.
+    Quick,
 }
 
 impl Chooser {
     /// For the caps of a model.
-    pub fn new(specular: Specular, tolerance: f64, values: Values, search: Search) -> Self {
+    pub fn new(specular: Specular, tolerance: f64, values: Values, effort: Effort) -> Self {
         let candidates = RULES.map(|rule| Cubature::uniform(specular, rule));
-        Self { specular, oracle: oracle(specular), candidates, tolerance, values, search }
+        Self { specular, oracle: oracle(specular), candidates, tolerance, values, effort }
     }
 
     /// The rules for a cap.
     pub fn node(&self, cap: &Cap) -> Node {
         let Self { specular, candidates, tolerance, values, .. } = self;
-        let directions = Directions::new(specular, cap);
+        let directions = match self.effort {
+            Effort::Full => Directions::new(specular, cap),
+            Effort::Quick => Directions::with(specular, cap, 18, 14),
+        };
         let exact = values(&self.oracle, cap, &directions);
         let meets = |candidate: &Cubature| {
             let errors = directions.errors(&exact, &values(candidate, cap, &directions));
@@ -88,9 +92,9 @@ impl Chooser {
             let of_a_kind: Vec<usize> =
                 (0..RULES.len()).filter(|&i| matches!(RULES[i], Rule::Disc(_)) == discs).collect();
             let misses = |i: &usize| !meets(&candidates[*i]);
-            let found = match self.search {
-                Search::Each => of_a_kind.iter().position(|i| !misses(i)),
-                Search::Halves => Some(of_a_kind.partition_point(misses)),
+            let found = match self.effort {
+                Effort::Full => of_a_kind.iter().position(|i| !misses(i)),
+                Effort::Quick => Some(of_a_kind.partition_point(misses)),
             };
             found.and_then(|found| of_a_kind.get(found)).map(|i| *i as u8)
         };
@@ -118,17 +122,18 @@ fn begins(directions: &Directions, cap: &Cap, exact: &[f64], cheap: &[f64], tole
     let peak = exact.iter().fold(0f64, |m, &f| m.max(f));
     let total: f64 = exact.iter().zip(&directions.weight).map(|(f, w)| f * w).sum();
     let centre = mirror(cap.axis());
-    let angle = |i: usize| 2.0 * (0.5 * (directions.wo[i] - centre).length()).min(1.0).asin();
+    let angle = |wo: &DVec3| 2.0 * (0.5 * (*wo - centre).length()).min(1.0).asin();
+    let angles: Vec<f64> = directions.wo.iter().map(angle).collect();
     // From the farthest direction inwards, until the budget is spent.
     let mut order: Vec<usize> = (0..exact.len()).collect();
-    order.sort_by(|&a, &b| angle(b).total_cmp(&angle(a)));
+    order.sort_by(|&a, &b| angles[b].total_cmp(&angles[a]));
     let mut spent = 0.0;
     for i in order {
         let error = (cheap[i] - exact[i]).abs();
         spent += error * directions.weight[i];
         if error > 0.2 * tolerance * peak || spent > 0.5 * tolerance * total {
             // Directions are rings apart: up to here, with room for what lies between.
-            return angle(i) * 1.1 + 0.01;
+            return angles[i] * 1.1 + 0.01;
         }
     }
     0.0
