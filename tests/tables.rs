@@ -3,6 +3,8 @@
 mod batch;
 mod continuity;
 mod determinism;
+mod families;
+mod family_format;
 mod figures;
 mod format;
 mod fuzz;

@@ -8,6 +8,7 @@ use brdf_tables::batch::CapBatch;
 use brdf_tables::brdf::{Distribution, Fresnel, Microfacet, Phong, Specular};
 use brdf_tables::cap::Cap;
 use brdf_tables::cubature::{Cubature, RULES, Rule};
+use brdf_tables::family;
 use brdf_tables::lobe::Lobe;
 use brdf_tables::lobes::Lobes;
 use brdf_tables::mean::{Exact, MeanBrdf};
@@ -80,11 +81,31 @@ fn lobes(bencher: Bencher, count: usize) {
 }
 
 /// The shipped tables, as a renderer uses them.
-#[divan::bench(args = ["phong-20", "phong-100", "beckmann-0.2", "ggx-0.1", "ggx-0.3", "ward-0.1-0.5", "lafortune-metal"])]
+#[divan::bench(args = ["phong-20", "phong-100", "beckmann-0.2", "ggx-0.1", "ggx-0.3", "sheen-0.3", "ward-0.1-0.5", "lafortune-metal"])]
 fn shipped(bencher: Bencher, name: &str) {
     let path = format!("{}/../tables/{name}.tbl", env!("CARGO_MANIFEST_DIR"));
     let table = Table::load(&path).expect("a shipped table");
     run(bencher, table.mean().expect("a glossy material"));
+}
+
+/// The same materials by the families that the library brings.
+#[divan::bench(args = ["phong-20", "phong-100", "beckmann-0.2", "ggx-0.1", "ggx-0.3"])]
+fn of_a_family(bencher: Bencher, name: &str) {
+    run(bencher, family_table(name).mean().expect("a glossy material"));
+}
+
+/// Making such a table.
+#[divan::bench(args = ["phong-100", "ggx-0.3", "ggx-0.1"])]
+fn family_table_made(bencher: Bencher, name: &str) {
+    let material = family_table(name).header.material;
+    bencher.bench_local(|| family::table(divan::black_box(&material)));
+}
+
+/// The table of the recipe of a shipped one.
+fn family_table(name: &str) -> Table {
+    let path = format!("{}/../tables/{name}.tbl", env!("CARGO_MANIFEST_DIR"));
+    let recipe = Table::load(path).expect("a shipped table").header.material;
+    family::table(&recipe).expect("a member of a family")
 }
 
 /// One rule everywhere.

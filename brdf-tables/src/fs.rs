@@ -1,10 +1,31 @@
-//! Tables in files.
+//! Tables and families in files.
 
+use crate::family::Family;
 use crate::format::{FormatError, MAX_FILE};
 use crate::table::Table;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
+
+/// The bytes of a file, unless it is larger than any of ours.
+fn read(path: &Path) -> Result<Vec<u8>, FormatError> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_FILE {
+        return Err(FormatError::TooLarge);
+    }
+    Ok(bytes)
+}
+
+impl Family {
+    /// Loads a family.
+    ///
+    /// # Errors
+    /// As [`Family::from_bytes`], or the file cannot be read.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        Self::from_bytes(&read(path.as_ref())?)
+    }
+}
 
 impl Table {
     /// Loads a table.
@@ -12,12 +33,7 @@ impl Table {
     /// # Errors
     /// As [`Table::from_bytes`], or the file cannot be read.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        let mut bytes = Vec::new();
-        File::open(path)?.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 > MAX_FILE {
-            return Err(FormatError::TooLarge);
-        }
-        Self::from_bytes(&bytes)
+        Self::from_bytes(&read(path.as_ref())?)
     }
 
     /// Writes the table to a temporary file beside `path`, then renames it: an interrupted run leaves no broken file.

@@ -36,7 +36,9 @@
 //!   as the reference.
 //! - [`table`], [`mod@format`], [`errors`], [`axis`]: the file, what it promises, and its grid.
 //!
-//! Feature `fs` (default): `Table::load` and `Table::save`.
+//! - [`family`]: tables of whatever roughness without a fit.
+//!
+//! Features, on by default: `fs` ([`Table::load`] and [`Table::save`]), `families` (the families that are shipped, 0.2 MB).
 
 pub mod axis;
 pub mod batch;
@@ -44,6 +46,7 @@ pub mod brdf;
 pub mod cap;
 pub mod cubature;
 pub mod errors;
+pub mod family;
 pub mod format;
 pub mod frame;
 #[cfg(feature = "fs")]
@@ -65,6 +68,7 @@ pub mod zonal;
 pub use batch::CapBatch;
 pub use brdf::{Brdf, Specular};
 pub use cap::{Cap, CapError};
+pub use family::Family;
 pub use format::FormatError;
 pub use material::{Material, MaterialError};
 pub use mean::MeanBrdf;

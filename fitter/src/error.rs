@@ -28,7 +28,15 @@ impl Directions {
     /// Directions for the mean of `specular` over `cap`.
     pub fn new(specular: &Specular, cap: &Cap) -> Self {
         static RULE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
-        let rule = RULE.get_or_init(|| gauss_legendre(RINGS));
+        Self::on(RULE.get_or_init(|| gauss_legendre(RINGS)), SPOKES, specular, cap)
+    }
+
+    /// As [`Directions::new`], on another number of rings, of so many directions each.
+    pub(crate) fn with(specular: &Specular, cap: &Cap, rings: usize, spokes: usize) -> Self {
+        Self::on(&gauss_legendre(rings), spokes, specular, cap)
+    }
+
+    fn on(rule: &[(f64, f64)], spokes: usize, specular: &Specular, cap: &Cap) -> Self {
         let frame = basis(mirror(cap.axis()));
         // δ = κ s/(1 − s²), so that half of the rings lie within about κ.
         let kappa = cap.half_angle() + 2.0 * specular.lobe_width();
@@ -38,9 +46,9 @@ impl Directions {
             let s = 0.5 * top * (x + 1.0);
             let c = 1.0 - s * s;
             let (sd, cd) = (kappa * s / c).sin_cos();
-            let solid_angle = 0.5 * top * w * kappa * (1.0 + s * s) / (c * c) * sd * TAU / SPOKES as f64;
-            for spoke in 0..SPOKES {
-                let (sp, cp) = (TAU * (spoke as f64 + 0.5) / SPOKES as f64).sin_cos();
+            let solid_angle = 0.5 * top * w * kappa * (1.0 + s * s) / (c * c) * sd * TAU / spokes as f64;
+            for spoke in 0..spokes {
+                let (sp, cp) = (TAU * (spoke as f64 + 0.5) / spokes as f64).sin_cos();
                 let direction = frame * DVec3::new(sd * cp, sd * sp, cd);
                 if direction.z > 0.0 {
                     wo.push(direction);

@@ -26,7 +26,8 @@ fn quotient(t: f64, n: f64) -> f64 {
 
 /// P(δ, σ) and R(δ, σ) for the exponent `n`, to about 1e-12 of P(0, σ). Angles in radian.
 pub fn rim_integrals(n: f64, delta: f64, sigma: f64) -> (f64, f64) {
-    let (sr, cr) = sigma.sin_cos();
+    // The half sphere may come as a little more, whose negative cosine has no power.
+    let (sr, cr) = (sigma.sin(), sigma.cos().max(0.0));
     if delta < 1e-9 {
         let p = 2.0 * PI * (1.0 - cr.powf(n + 2.0)) / (n + 2.0);
         let r = (2.0 * PI * (1.0 - cr.powf(n)) - n * PI * sr * sr * cr.powf(n)) / (n + 2.0);
@@ -84,6 +85,13 @@ pub fn radial_mean((a, n): (f64, f64), cap: &Cap, wo: DVec3) -> Option<f64> {
 
 /// Builds the zonal table of a radial model; `None` when the model is not radial.
 pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
+    let values = tabulate(&specular, rows, columns)?;
+    let scale = scale(&values);
+    Zonal::new(specular, rows, columns, pack(&values, scale), scale).ok()
+}
+
+/// (T_P, T_R) at the nodes of the zonal table of a radial model; `None` when the model is not radial.
+pub(crate) fn tabulate(specular: &Specular, rows: usize, columns: usize) -> Option<Vec<(f64, f64)>> {
     let (_, n) = specular.radial_exponent()?;
     let axes = ZonalAxes::new(n);
     let values: Vec<(f64, f64)> = (0..rows * columns)
@@ -98,15 +106,22 @@ pub fn build(specular: Specular, rows: usize, columns: usize) -> Option<Zonal> {
             ((p - r * delta.cos()) / peak, r / peak)
         })
         .collect();
-    let values = centred(&values, rows, columns);
+    Some(centred(&values, rows, columns))
+}
+
+/// Offsets and steps that hold all of the values in 16 bits each.
+pub(crate) fn scale(values: &[(f64, f64)]) -> [[f64; 2]; 2] {
     let range = |pick: fn(&(f64, f64)) -> f64| {
         let (lo, hi) = values.iter().map(pick).fold((0f64, 0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
         [lo, (hi - lo).max(f64::MIN_POSITIVE) / 65535.0]
     };
-    let scale = [range(|v| v.0), range(|v| v.1)];
+    [range(|v| v.0), range(|v| v.1)]
+}
+
+/// The cells of a table.
+pub(crate) fn pack(values: &[(f64, f64)], scale: [[f64; 2]; 2]) -> Vec<u32> {
     let pack = |x: f64, [lo, step]: [f64; 2]| ((x - lo) / step).round().clamp(0.0, 65535.0) as u32;
-    let cells = values.iter().map(|&(p, r)| pack(p, scale[0]) | pack(r, scale[1]) << 16).collect();
-    Zonal::new(specular, rows, columns, cells, scale).ok()
+    values.iter().map(|&(p, r)| pack(p, scale[0]) | pack(r, scale[1]) << 16).collect()
 }
 
 /// Nodes moved so that the bilinear interpolant is right on average over each cell, not at its corners: a line between
@@ -160,6 +175,18 @@ mod tests {
                 let bound = if n < 2.0 { 3e-4 } else { 2e-6 } * peak;
                 assert!((p - along).abs() < bound, "n {n} delta {delta} sigma {sigma}: P {p} {along}");
                 assert!((r * delta.sin() - across).abs() < bound, "n {n} delta {delta} sigma {sigma}: R {r} {across}");
+            }
+        }
+    }
+
+    /// Half a sphere whose angle is rounded up is one.
+    #[test]
+    fn half_a_sphere_has_integrals() {
+        for n in [1.3, 1.5064635056831326, 7.7] {
+            for delta in [0.0, 0.4, 1.5] {
+                let at = |sigma| rim_integrals(n, delta, sigma);
+                let (exact, above) = (at(FRAC_PI_2 - 1e-12), at(FRAC_PI_2 + 4e-16));
+                assert!((exact.0 - above.0).abs() < 1e-9 && (exact.1 - above.1).abs() < 1e-9, "{n} {delta}: {above:?}");
             }
         }
     }

@@ -1,6 +1,7 @@
-//! The table of a material: read from a folder, or fitted there.
+//! The table of a material: read from a folder, from a family that comes with the library, or fitted into the folder.
 
 use brdf_tables::brdf::Value;
+use brdf_tables::family;
 use brdf_tables::format::{FormatError, VERSION};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
@@ -86,14 +87,17 @@ impl Tables {
         Ok(tables)
     }
 
-    /// The table of the specular part of `recipe`: colours do not matter, they multiply at run time. Fits it where there is
-    /// none, and leaves it in the folder for the next time.
+    /// The table of the specular part of `recipe`: colours do not matter, they multiply at run time. Where the folder has none
+    /// it follows from the family of the model; of what is in no family one is fitted, and left in the folder for the next time.
     ///
     /// # Errors
     /// A material that cannot be fitted; a folder that cannot be written.
     pub fn find(&mut self, recipe: &Recipe) -> Result<Table, TableError> {
         if let Some(table) = self.known.iter().find(|t| same(&t.header.material, recipe)) {
             return Ok(table.clone());
+        }
+        if let Some(table) = family::table(recipe) {
+            return Ok(table);
         }
         if let Some(folder) = &self.folder {
             output::check_folder(folder)?;
@@ -111,7 +115,7 @@ impl Tables {
         };
         let table = fit(recipe, &options).map_err(|source| TableError::Fit { recipe: text.clone(), source })?;
         self.fitting += start.elapsed();
-        let mut note = format!("fitted {text} in {:.1} s", start.elapsed().as_secs_f64());
+        let mut note = format!("fitted {text}, which is in no family, in {:.1} s", start.elapsed().as_secs_f64());
         if let Some(folder) = &self.folder {
             std::fs::create_dir_all(folder)
                 .map_err(|source| TableError::Io { path: folder.display().to_string(), source })?;
@@ -189,10 +193,20 @@ mod tests {
         assert!(!same(&shipped, &Recipe::specular(Specular::Phong(Phong { exponent: 0.1 }))));
     }
 
+    /// A member of a family needs no file, leaves none, and takes no time.
+    #[test]
+    fn members_of_families_are_not_fitted() {
+        let folder = tempfile::tempdir().unwrap();
+        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
+        let mut tables = Tables::open(&folder.path().join("new")).unwrap();
+        assert_eq!(tables.find(&recipe).unwrap().header.material, recipe);
+        assert!(tables.notes.is_empty() && tables.fitting.is_zero() && !folder.path().join("new").exists());
+    }
+
     #[test]
     fn a_fitted_table_is_found_the_next_time() {
         let folder = tempfile::tempdir().unwrap();
-        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
+        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 0.5 }));
         let mut tables = Tables::open(&folder.path().join("new")).unwrap();
         let table = tables.find(&recipe).unwrap();
         assert_eq!(tables.notes.len(), 1);
@@ -212,7 +226,7 @@ mod tests {
     #[test]
     fn a_table_of_a_version_too_old_is_fitted_anew() {
         let folder = tempfile::tempdir().unwrap();
-        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 33.0 }));
+        let recipe = Recipe::specular(Specular::Phong(Phong { exponent: 0.5 }));
         let table = Tables::open(folder.path()).unwrap().find(&recipe).unwrap();
         let path = folder.path().join(file_name(&text(&recipe)));
         let mut bytes = std::fs::read(&path).unwrap();

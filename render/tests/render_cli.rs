@@ -246,7 +246,8 @@ const GLOSSY: &str = r#"<scene version="3.0.0">
 #[test]
 fn cached_pictures_fit_what_they_need() {
     let folder = Folder::with(SCENE, &[]);
-    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    // An exponent that no family holds.
+    std::fs::write(folder.path("glossy.xml"), GLOSSY.replace(r#"value="30""#, r#"value="0.5""#)).unwrap();
     let run = "image glossy.xml --method eas --spp 2 --tau 0.1 --tables made -o a.exr -o a.png --stats s.json";
     let (code, _, err) = folder.run(run);
     assert!(code == 0 && err.contains("fitted phong") && err.contains("EAS records"), "{err}");
@@ -258,6 +259,19 @@ fn cached_pictures_fit_what_they_need() {
     assert_eq!(stats["method"], "eas");
     assert!(stats["records"].as_u64() > Some(0) && stats["eas_mean"].as_f64() > Some(1.0), "{stats}");
     assert!(stats["bytes_per_record"].as_f64() < Some(16_000.0) && stats["seconds"]["fill"].as_f64() > Some(0.0));
+}
+
+/// What a family holds takes no time and leaves no file.
+#[test]
+fn families_need_no_fit() {
+    let folder = Folder::with(SCENE, &[]);
+    std::fs::write(folder.path("glossy.xml"), GLOSSY).unwrap();
+    let (code, _, err) =
+        folder.run("image glossy.xml --method eas --spp 2 --tau 0.1 --tables made -o a.exr --stats s.json");
+    assert!(code == 0 && !err.contains("fitted") && err.contains("EAS records"), "{err}");
+    assert!(!folder.path("made").exists());
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path("s.json")).unwrap()).unwrap();
+    assert_eq!(stats["seconds"]["fit"], 0.0, "{stats}");
 }
 
 /// Harmonics need no table; the figures tell their order and size.

@@ -11,6 +11,7 @@ use core::f64::consts::{PI, TAU};
 use core::fmt;
 use fearless_simd::{Select, Simd, f32x16, prelude::*, u32x16};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Index of the rule for views beyond the outer angle of a node.
 pub const OUTER: u8 = Rule::Disc(4).index();
@@ -36,7 +37,7 @@ pub struct Node {
 
 impl Node {
     /// Whether the indices are those of such rules.
-    fn is_valid(self) -> bool {
+    pub(crate) fn is_valid(self) -> bool {
         let rule = |index: u8| RULES.get(usize::from(index));
         (self.disc == NONE || matches!(rule(self.disc), Some(Rule::Disc(_))))
             && matches!(rule(self.product), Some(Rule::Product(_)))
@@ -52,7 +53,7 @@ impl Node {
     }
 
     /// The larger of each number.
-    fn or(self, other: Self) -> Self {
+    pub fn or(self, other: Self) -> Self {
         Self {
             disc: self.disc.max(other.disc),
             product: self.product.max(other.product),
@@ -81,25 +82,56 @@ const CHORD_STEPS: f64 = CHORD_MASK as f64 / 4.0;
 /// Bins in cosθe, and in the azimuth of an anisotropic material.
 const COSINES: usize = 64;
 const AZIMUTHS: usize = 8;
-/// Heights from 2⁻²⁰ to 1, four bins to an octave: the exponent and two bits of the mantissa.
+/// Four bins of heights to an octave: the exponent and two bits of the mantissa.
 const SHIFT: u32 = 21;
-const FIRST: u32 = (127 - 20) << 2;
-const LAST: u32 = 127 << 2;
-const HEIGHTS: usize = (LAST - FIRST + 1) as usize;
 
 /// The bins.
 #[derive(Clone, PartialEq)]
 pub struct Bins {
     azimuths: usize,
-    cells: Vec<u32>,
+    heights: Heights,
+    cells: Arc<[u32]>,
     finest: u8,
+}
+
+/// The bins of heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Heights {
+    /// What heights are multiplied by before: 1, or the sharpness of a lobe of a family.
+    scale: f32,
+    /// The bits of the lowest and of the highest bin; they take what is lower or higher too.
+    first: u32,
+    last: u32,
+}
+
+impl Heights {
+    /// Heights from 2⁻²⁰ to 1.
+    const PLAIN: Self = Self { scale: 1.0, first: (127 - 20) << 2, last: 127 << 2 };
+
+    /// Heights times a sharpness, to the hemisphere of the largest. From 2⁻¹⁴ down a cap is a point to any lobe.
+    fn sharp(most: f64) -> Self {
+        let first = (127 - 14) << 2;
+        Self { scale: 1.0, first, last: ((most as f32).to_bits() >> SHIFT).max(first) }
+    }
+
+    fn count(self) -> usize {
+        (self.last - self.first + 1) as usize
+    }
+
+    /// Scaled heights that a bin may hold.
+    fn bounds(self, bin: u32) -> [f64; 2] {
+        let low = if bin == self.first { 0.0 } else { f32::from_bits(bin << SHIFT) };
+        [low, f32::from_bits((bin + 1) << SHIFT)].map(f64::from)
+    }
 }
 
 /// Without the cells: there are thousands.
 impl fmt::Debug for Bins {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { azimuths, cells, finest } = self;
-        f.debug_struct("Bins").field("azimuths", azimuths).field("cells", &cells.len()).field("finest", finest).finish()
+        let Self { azimuths, heights, cells, finest } = self;
+        let cells = &cells.len();
+        let mut s = f.debug_struct("Bins");
+        s.field("azimuths", azimuths).field("heights", heights).field("cells", cells).field("finest", finest).finish()
     }
 }
 
@@ -109,10 +141,46 @@ impl Bins {
     /// # Errors
     /// The index of a rule or the count is wrong.
     pub fn new(axes: Axes, nodes: &[Node]) -> Result<Self, PartsError> {
+        let solid_angle = |height: f64| TAU * height.min(1.0);
+        let omegas =
+            |[low, high]: [f64; 2]| nodes_between(solid_angle(low), solid_angle(high), |x| axes.omega_place(x).index);
+        Self::fill(Heights::PLAIN, axes, nodes, omegas)
+    }
+
+    /// From nodes that hold for lobes of several widths, in heights times the sharpness of each, up to that of `axes`: for
+    /// [`Bins::scaled`].
+    ///
+    /// # Errors
+    /// As [`Bins::new`].
+    pub(crate) fn of_family(axes: Axes, nodes: &[Node]) -> Result<Self, PartsError> {
+        let place = |scaled: f64| axes.omega_place(TAU * (scaled / axes.sharpness).min(1.0)).index;
+        let omegas = |[low, high]: [f64; 2]| [place(low), place(high) + 1];
+        Self::fill(Heights::sharp(axes.sharpness), axes, nodes, omegas)
+    }
+
+    /// The same rule for all caps.
+    pub(crate) fn uniform(node: Node) -> Self {
+        let heights = Heights { last: Heights::PLAIN.first, ..Heights::PLAIN };
+        Self { azimuths: 1, heights, cells: [node.packed(); COSINES].into(), finest: node.product }
+    }
+
+    /// For a lobe of this sharpness.
+    pub(crate) fn scaled(&self, sharpness: f64) -> Self {
+        Self { heights: Heights { scale: sharpness as f32, ..self.heights }, ..self.clone() }
+    }
+
+    /// Nodes on `axes`, those that a bin of heights touches given by `omegas`.
+    fn fill(
+        heights: Heights,
+        axes: Axes,
+        nodes: &[Node],
+        omegas: impl Fn([f64; 2]) -> [usize; 2],
+    ) -> Result<Self, PartsError> {
         PartsError::count(Some(axes.len()), nodes.len())?;
         PartsError::first("node", nodes, |n| n.is_valid())?;
         let azimuths = if axes.phi == 1 { 1 } else { AZIMUTHS };
-        let mut cells = Vec::with_capacity(COSINES * azimuths * HEIGHTS);
+        let omegas: Vec<[usize; 2]> = (heights.first..=heights.last).map(|bin| omegas(heights.bounds(bin))).collect();
+        let mut cells = Vec::with_capacity(COSINES * azimuths * omegas.len());
         let cosine = |i: usize| i as f64 / COSINES as f64;
         // |y|/(|x| + |y|) of a horizontal direction is uniform in the bins.
         let azimuth = |i: usize| {
@@ -127,11 +195,7 @@ impl Bins {
                 } else {
                     nodes_between(azimuth(a), azimuth(a + 1), |x| axes.phi_place(x).index)
                 };
-                for bin in FIRST..=LAST {
-                    let low = if bin == FIRST { 0.0 } else { f32::from_bits(bin << SHIFT) };
-                    let high = f32::from_bits((bin + 1) << SHIFT).min(1.0);
-                    let solid_angle = [low, high].map(|h| TAU * f64::from(h));
-                    let omega = nodes_between(solid_angle[0], solid_angle[1], |x| axes.omega_place(x).index);
+                for omega in &omegas {
                     let mut node = Node::default();
                     for t in theta[0]..=theta[1] {
                         for p in phi[0]..=phi[1] {
@@ -145,7 +209,7 @@ impl Bins {
             }
         }
         let finest = nodes.iter().map(|n| n.product).max().unwrap_or(0);
-        Ok(Self { azimuths, cells, finest })
+        Ok(Self { azimuths, heights, cells: cells.into(), finest })
     }
 
     /// The finest product rule.
@@ -158,8 +222,9 @@ impl Bins {
         let z = ((axis.z * COSINES as f32) as usize).min(COSINES - 1);
         let (x, y) = (axis.x.abs(), axis.y.abs());
         let a = ((y / (x + y).max(1e-30) * self.azimuths as f32) as usize).min(self.azimuths - 1);
-        let h = ((height.to_bits() >> SHIFT).clamp(FIRST, LAST) - FIRST) as usize;
-        let bin = self.cells[(z * self.azimuths + a) * HEIGHTS + h];
+        let Heights { scale, first, last } = self.heights;
+        let h = (((height * scale).to_bits() >> SHIFT).clamp(first, last) - first) as usize;
+        let bin = self.cells[(z * self.azimuths + a) * self.heights.count() + h];
         let distance2 = (wo - Vec3::new(-axis.x, -axis.y, axis.z)).length_squared() * CHORD_STEPS as f32;
         let rule = (bin & 15) as u8;
         match distance2 {
@@ -174,15 +239,16 @@ impl Bins {
     pub fn of_lanes<S: Simd>(&self, simd: S, [x, y, z, height]: [f32x16<S>; 4], wo: Vec3) -> u32x16<S> {
         let count = self.azimuths as f64;
         let cosine: u32x16<S> = (z * z.lit(COSINES as f64)).to_int();
-        let bits: u32x16<S> = height.bitcast();
-        let height = (bits >> SHIFT).max(FIRST).min(LAST) - FIRST;
+        let Heights { scale, first, last } = self.heights;
+        let bits: u32x16<S> = (height * z.lit(scale.into())).bitcast();
+        let height = (bits >> SHIFT).max(first).min(last) - first;
         let mut row = cosine.min(COSINES as u32 - 1);
         if self.azimuths > 1 {
             let (ax, ay) = (Real::abs(x), Real::abs(y));
             let azimuth: u32x16<S> = (ay / Real::max(ax + ay, x.lit(1e-30)) * x.lit(count)).to_int();
             row = row * self.azimuths as u32 + azimuth.min(self.azimuths as u32 - 1);
         }
-        let mut bins = (row * HEIGHTS as u32 + height).min(self.cells.len() as u32 - 1).to_array();
+        let mut bins = (row * self.heights.count() as u32 + height).min(self.cells.len() as u32 - 1).to_array();
         // A plain loop of loads: the compiler keeps it branch-free.
         for bin in &mut bins {
             *bin = self.cells[*bin as usize];

@@ -19,6 +19,7 @@ mod rule;
 mod spread;
 mod table;
 
+pub(crate) use bins::Bins;
 pub use bins::{Node, OUTER};
 pub use rule::{Grid, NONE, RULES, Rule};
 pub use table::Cubature;

@@ -14,6 +14,7 @@ use crate::mean::MeanBrdf;
 use crate::parts::PartsError;
 use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Cap cubature of the model itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct Cubature {
     gray: Option<GrayPolynomial>,
     pub(super) isotropic: bool,
     axes: Axes,
-    nodes: Vec<Node>,
+    nodes: Arc<[Node]>,
     pub(super) bins: Bins,
 }
 
@@ -32,10 +33,13 @@ impl Cubature {
     /// # Errors
     /// The index of a rule or the count is wrong.
     pub fn new(specular: Specular, axes: Axes, nodes: &[Node]) -> Result<Self, PartsError> {
-        let bins = Bins::new(axes, nodes)?;
-        let isotropic = specular.is_isotropic();
-        let gray = specular.gray_polynomial();
-        Ok(Self { specular, gray, isotropic, axes, nodes: nodes.to_vec(), bins })
+        Ok(Self::with_bins(specular, axes, nodes.into(), Bins::new(axes, nodes)?))
+    }
+
+    /// From nodes and the bins made of them.
+    pub(crate) fn with_bins(specular: Specular, axes: Axes, nodes: Arc<[Node]>, bins: Bins) -> Self {
+        let (gray, isotropic) = (specular.gray_polynomial(), specular.is_isotropic());
+        Self { specular, gray, isotropic, axes, nodes, bins }
     }
 
     /// Grid and nodes, as [`Cubature::new`] takes them.
@@ -54,7 +58,7 @@ impl Cubature {
             Rule::Product(_) => (NONE, rule.index()),
         };
         let node = Node { disc, product, outer: u8::MAX, far: u8::MAX };
-        Self::new(specular, axes, &[node; 4]).expect("a rule of the list")
+        Self::with_bins(specular, axes, [node; 4].into(), Bins::uniform(node))
     }
 
     /// [`MeanBrdf::values`] of facets of the same shape with another reflectance: the rules are of the shape.

@@ -1,6 +1,8 @@
 //! Arguments and values that several subcommands take.
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
+use brdf_tables::Family;
+use brdf_tables::format::FormatError;
 use brdf_tables::material::Material;
 use brdf_tables::table::Table;
 use core::f64::consts::{PI, TAU};
@@ -38,10 +40,32 @@ pub fn material(argument: &str) -> anyhow::Result<Material> {
 
 /// Loads a table, naming the file in an error.
 pub fn table(path: &Path) -> anyhow::Result<Table> {
+    match file(path)? {
+        File::Table(table) => Ok(*table),
+        File::Family(_) => {
+            bail!("{}: a family of tables, where the table of one material is asked for", path.display())
+        }
+    }
+}
+
+/// What `fitter` makes.
+pub enum File {
+    /// Of `fitter fit`.
+    Table(Box<Table>),
+    /// Of `fitter fit-family`.
+    Family(Box<Family>),
+}
+
+/// Loads a table or a family, naming the file in an error.
+pub fn file(path: &Path) -> anyhow::Result<File> {
     let name = || path.display().to_string();
     let is_file = std::fs::metadata(path).with_context(name)?.is_file();
     ensure!(is_file, "{}: not a regular file", path.display());
-    Table::load(path).with_context(name)
+    match Family::load(path) {
+        Ok(family) => Ok(File::Family(family.into())),
+        Err(FormatError::FamilyMagic) => Ok(File::Table(Table::load(path).with_context(name)?.into())),
+        Err(error) => Err(error).with_context(name),
+    }
 }
 
 /// Refuses an SVG file that cannot be written, or that is read besides, before any work is done for it.

@@ -1,6 +1,8 @@
 //! `fitter info`: what a table holds, how it was made, how good it is.
 
-use super::{Outcome, arguments, report};
+use super::arguments::{self, File};
+use super::{Outcome, family, report};
+use brdf_tables::family::Family;
 use brdf_tables::table::{Representation, Table};
 use kit::text::percent;
 use serde_json::{Value, json};
@@ -17,7 +19,7 @@ Examples:
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Table, as `fitter fit` writes it
+    /// Table, as `fitter fit` writes it, or family, as `fitter fit-family` does
     file: PathBuf,
     /// Print JSON: errors as fractions
     #[arg(long)]
@@ -26,9 +28,14 @@ pub struct Args {
 
 /// Prints the description.
 pub fn run(args: Args) -> anyhow::Result<Outcome> {
-    let table = arguments::table(&args.file)?;
+    let file = arguments::file(&args.file)?;
     let bytes = std::fs::metadata(&args.file)?.len();
-    let text = if args.json { format!("{:#}\n", json(&table, bytes)) } else { text(&table, bytes) };
+    let text = match (file, args.json) {
+        (File::Table(table), true) => format!("{:#}\n", json(&table, bytes)),
+        (File::Table(table), false) => text(&table, bytes),
+        (File::Family(family), true) => format!("{:#}\n", family_json(&family, bytes)),
+        (File::Family(family), false) => family_text(&family, bytes),
+    };
     std::io::stdout().lock().write_all(text.as_bytes())?;
     Ok(Outcome::Done)
 }
@@ -92,6 +99,45 @@ fn json(table: &Table, bytes: u64) -> Value {
         "grid": grid(table),
         "bytes": bytes,
         "error_grid": { "theta": table.axes.theta, "phi": table.axes.phi, "omega": table.axes.omega },
+        "tolerance": header.tolerance,
+        "promise": { "median": median, "p95": p95, "worst": worst },
+        "creator": header.creator,
+        "command": header.command,
+        "seed": header.seed,
+        "notes": header.notes,
+        "at_nodes": report::summary_json(&header.at_nodes),
+        "off_nodes": report::summary_json(&header.off_nodes),
+        "clipped": report::summary_json(&header.clipped),
+    })
+}
+
+fn family_text(found: &Family, bytes: u64) -> String {
+    let header = &found.header;
+    let [median, p95, worst] = header.promise.map(percent);
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<16}{value}");
+    };
+    line("family", family::name(found));
+    line("representation", family::representation(found).into());
+    line("size", format!("{bytes} bytes"));
+    line("promise", format!("rmse_lobe median {median} %, p95 {p95} %, worst {worst} %"));
+    line("tolerance", format!("{} %", percent(header.tolerance)));
+    line("made by", header.creator.clone());
+    line("command", header.command.clone());
+    line("seed", header.seed.to_string());
+    text + &family::text(found)
+}
+
+fn family_json(found: &Family, bytes: u64) -> Value {
+    let header = &found.header;
+    let [median, p95, worst] = header.promise;
+    json!({
+        "family": header.kin.name(),
+        "representation": family::representation(found),
+        "bytes": bytes,
+        "widths": header.lattice.widths,
+        "reach": header.lattice.reach,
         "tolerance": header.tolerance,
         "promise": { "median": median, "p95": p95, "worst": worst },
         "creator": header.creator,

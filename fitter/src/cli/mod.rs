@@ -3,6 +3,7 @@
 mod arguments;
 mod chart;
 mod check;
+mod family;
 mod fit;
 mod info;
 mod integrate;
@@ -24,6 +25,7 @@ Examples:
   fitter fit phong:exponent=100 -o phong.tbl     fit, and measure the errors
   fitter check phong.tbl                         measure again, independently
   fitter info phong.tbl                          what is in it, how good it is
+  fitter fit-family ggx -o families              the tables of GGX of any roughness
   fitter plot phong.tbl -o phong.svg             polar cuts, exact against table
   fitter chart phong:exponent=100 -o chart.svg   speed against accuracy
 
@@ -48,6 +50,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Fit(fit::Args),
+    FitFamily(family::Args),
     Check(check::Args),
     Query(query::Args),
     Integrate(integrate::Args),
@@ -84,6 +87,7 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> anyhow::Result<Outcome> {
     match command {
         Command::Fit(args) => fit::run(args),
+        Command::FitFamily(args) => family::run(args),
         Command::Check(args) => check::run(args),
         Command::Query(args) => query::run(args),
         Command::Integrate(args) => integrate::run(args),

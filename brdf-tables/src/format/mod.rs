@@ -3,6 +3,8 @@
 //!   magic "BURNISH\n" · version u32 · header length u32 · header (bincode 2, serde, fixed integers, at most 64 KiB) ·
 //!   payload: one f32 sextuple per error cell, then the arrays of the representation · CRC-32 of all before it u32
 
+pub(crate) mod seal;
+
 use crate::axis::Axes;
 use crate::cubature::{Cubature, Node};
 use crate::errors::Errors;
@@ -23,7 +25,7 @@ const MAX_HEADER: usize = 1 << 16;
 #[cfg(feature = "fs")]
 pub(crate) const MAX_FILE: u64 = 1 << 24;
 /// Most nodes of a grid.
-const MAX_NODES: usize = 1 << 16;
+pub(crate) const MAX_NODES: usize = 1 << 16;
 /// Bytes per error cell: five errors and the support angle.
 const CELL: usize = 24;
 
@@ -38,9 +40,15 @@ pub enum FormatError {
     /// The magic number is wrong.
     #[error("not a table (the first bytes are not BURNISH)")]
     Magic,
+    /// The magic number of a family is wrong.
+    #[error("not a family of tables (the first bytes are not BURNFAM)")]
+    FamilyMagic,
     /// The version is none that this library reads.
     #[error("table version {0}, this program reads versions {older} and {VERSION}: fit it again", older = VERSION - 1)]
     Version(u32),
+    /// The version of a family is none that this library reads.
+    #[error("version {0} of a family of tables, this program reads version {version}: fit it again", version = crate::family::VERSION)]
+    FamilyVersion(u32),
     /// The file ends early, or goes on after its end.
     #[error("{what} needs {expected} bytes, the file has {found}")]
     Length {
@@ -91,10 +99,6 @@ struct Stored {
     shape: Shape,
 }
 
-fn config() -> impl bincode::config::Config {
-    bincode::config::legacy().with_limit::<MAX_HEADER>()
-}
-
 impl Table {
     /// The bytes of the file.
     ///
@@ -127,22 +131,13 @@ impl Table {
             }
         };
         let stored = Stored { header: self.header.clone(), axes: self.axes, shape };
-        let header =
-            bincode::serde::encode_to_vec(&stored, config()).map_err(|e| FormatError::Header(e.to_string()))?;
-        if header.len() > MAX_HEADER {
-            return Err(FormatError::Header(format!("{} bytes, at most {MAX_HEADER} fit", header.len())));
-        }
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(VERSION.to_le_bytes());
-        bytes.extend((header.len() as u32).to_le_bytes());
-        bytes.extend(header);
+        let mut content = Vec::with_capacity(self.cells.len() * CELL + payload.len());
         for cell in &self.cells {
-            bytes.extend(floats(&cell.errors.to_array()));
-            bytes.extend(cell.support.to_le_bytes());
+            content.extend(floats(&cell.errors.to_array()));
+            content.extend(cell.support.to_le_bytes());
         }
-        bytes.extend(payload);
-        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-        Ok(bytes)
+        content.extend(payload);
+        seal::seal(MAGIC, VERSION, &stored, &content)
     }
 
     /// Reads the bytes of a file. Nothing is allocated beyond a small multiple of their number.
@@ -150,34 +145,9 @@ impl Table {
     /// # Errors
     /// Whatever is wrong with them; never a panic.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let length =
-            |what, expected: usize| FormatError::Length { what, expected: expected as u64, found: bytes.len() as u64 };
-        let word = |at: usize| bytes.get(at..at + 4).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b));
-        if bytes.len() < 8 || bytes[..8] != MAGIC {
-            return Err(FormatError::Magic);
-        }
-        let version = word(8).ok_or_else(|| length("the version", 12))?;
-        if !(VERSION - 1..=VERSION).contains(&version) {
-            return Err(FormatError::Version(version));
-        }
-        let size = word(12).ok_or_else(|| length("the header", 16))? as usize;
-        if size > MAX_HEADER {
-            return Err(FormatError::Header(format!("{size} bytes, at most {MAX_HEADER} are allowed")));
-        }
-        let end = bytes.len().saturating_sub(4);
-        if end < 16 + size {
-            return Err(length("the header", 20 + size));
-        }
-        let (expected, found) = (word(end).unwrap_or(0), crc32fast::hash(&bytes[..end]));
-        if expected != found {
-            return Err(FormatError::Checksum { expected, found });
-        }
-        let (stored, used): (Stored, usize) = bincode::serde::decode_from_slice(&bytes[16..16 + size], config())
-            .map_err(|e| FormatError::Header(e.to_string()))?;
-        if used != size {
-            return Err(FormatError::Header(format!("{used} of its {size} bytes are used")));
-        }
-        stored.build(&bytes[16 + size..end], version)
+        let known = |version| (VERSION - 1..=VERSION).contains(&version);
+        let opened = seal::open::<Stored>(bytes, MAGIC, known)?.ok_or(FormatError::Magic)?;
+        opened.header.build(opened.payload, opened.version)
     }
 }
 
