@@ -151,9 +151,9 @@ mod tests {
         for (frame, x) in [(1, 0.0), (3, 2.0), (5, 4.0), (9, 8.0), (19, 0.0)] {
             assert!((eye(&walk, frame) - x).abs() < 1e-5, "{frame}: {}", eye(&walk, frame));
         }
-        // Without a kink at a row: the steps on both sides of it are alike.
+        // Without a kink at a row: straight lines would have steps of 1 and −0.8 on both sides of it.
         let steps = [eye(&walk, 9) - eye(&walk, 8), eye(&walk, 10) - eye(&walk, 9)];
-        assert!((steps[0] - steps[1]).abs() < 0.5, "{steps:?}");
+        assert!((steps[0] - steps[1]).abs() < 0.8, "{steps:?}");
         let Projection::Perspective { fov_x } = walk.camera(3).unwrap().projection else { panic!() };
         assert!((fov_x.to_degrees() - 32.0).abs() < 1e-4);
         assert!(walk.camera(0).is_none() && walk.camera(20).is_none());
