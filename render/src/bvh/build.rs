@@ -42,11 +42,17 @@ impl TriangleBvh {
         ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
         let root = binary.nodes[0].aabb();
         this.bounds = (root.min, root.max);
-        let (nodes, leaves) = widen(&binary.nodes);
+        let fold = Fold::new(&binary.nodes);
+        let (nodes, leaves) = widen(&binary.nodes, &fold);
         this.root = Some(if nodes.is_empty() { LEAF } else { 0 });
         this.nodes = nodes;
-        let leaf = |n: &Bvh2Node| Leaf::new(triangles, &primitives[n.first_index as usize..][..n.prim_count as usize]);
-        this.leaves = leaves.par_iter().map(leaf).collect();
+        this.leaves = leaves
+            .par_iter()
+            .map(|&i| {
+                let below = |n: &Bvh2Node| &primitives[n.first_index as usize..][..n.prim_count as usize];
+                Leaf::new(triangles, fold.leaves(i).flat_map(below))
+            })
+            .collect();
         this
     }
 
@@ -61,36 +67,32 @@ impl TriangleBvh {
     }
 }
 
-/// Wide nodes, the root first, and the leaves of the binary tree that they refer to. No node where the root is a leaf.
-fn widen(binary: &[Bvh2Node]) -> (Vec<Node>, Vec<Bvh2Node>) {
-    if binary[0].is_leaf() {
-        return (Vec::new(), vec![binary[0]]);
+/// Wide nodes, the root first, and the nodes of the binary tree that are leaves. No node where the root is a leaf.
+fn widen(binary: &[Bvh2Node], fold: &Fold) -> (Vec<Node>, Vec<usize>) {
+    if fold.is_leaf(0) {
+        return (Vec::new(), vec![0]);
     }
-    let fold = Fold::new(binary);
     let (mut nodes, mut leaves) = (vec![Node::EMPTY], Vec::new());
     let mut open = vec![(0, 0)];
     while let Some((wide, i)) = open.pop() {
         let mut children = fold.children(i);
         // Who asks for any hit looks into the last lane first: at what most likely stops a ray soonest.
-        children.sort_by(|&a, &b| {
-            let [a, b] = [a, b].map(|c| &binary[c]);
-            a.is_leaf().cmp(&b.is_leaf()).then(a.aabb().half_area().total_cmp(&b.aabb().half_area()))
-        });
+        let area = |i: usize| binary[i].aabb().half_area();
+        children.sort_by(|&a, &b| fold.is_leaf(a).cmp(&fold.is_leaf(b)).then(area(a).total_cmp(&area(b))));
         for (lane, child) in children.into_iter().enumerate() {
             let aabb = binary[child].aabb();
-            let reference = if binary[child].is_leaf() {
-                leaves.push(binary[child]);
+            for axis in 0..3 {
+                nodes[wide].bounds[axis][lane] = aabb.min[axis];
+                nodes[wide].bounds[3 + axis][lane] = aabb.max[axis];
+            }
+            nodes[wide].children[lane] = if fold.is_leaf(child) {
+                leaves.push(child);
                 LEAF | (leaves.len() - 1) as u32
             } else {
                 nodes.push(Node::EMPTY);
                 open.push((nodes.len() - 1, child));
                 (nodes.len() - 1) as u32
             };
-            for axis in 0..3 {
-                nodes[wide].bounds[axis][lane] = aabb.min[axis];
-                nodes[wide].bounds[3 + axis][lane] = aabb.max[axis];
-            }
-            nodes[wide].children[lane] = reference;
         }
     }
     (nodes, leaves)
@@ -105,9 +107,10 @@ impl Node {
 }
 
 impl Leaf {
-    fn new(triangles: &[[Vec3A; 3]], primitives: &[Primitive]) -> Self {
+    /// Of at most eight triangles.
+    fn new<'a>(triangles: &[[Vec3A; 3]], primitives: impl Iterator<Item = &'a Primitive>) -> Self {
         let mut leaf = Self { vertices: [[[0.0; WIDTH]; 3]; 3], ids: [u32::MAX; WIDTH] };
-        for (lane, p) in primitives.iter().enumerate() {
+        for (lane, p) in primitives.enumerate() {
             for (v, vertex) in triangles[p.id as usize].iter().enumerate() {
                 (0..3).for_each(|axis| leaf.vertices[v][axis][lane] = vertex[axis]);
             }

@@ -5,10 +5,13 @@
 use super::WIDTH;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// For every node of the binary tree and number of lanes from 1 on: how many of them its first child gets, or 0 where one lane
-/// less serves as well. With one lane the node becomes a wide one, and its children share that one's lanes.
+/// What becomes of the nodes of a binary tree.
 pub(super) struct Fold<'a> {
     nodes: &'a [Bvh2Node],
+    /// Triangles of each.
+    counts: Vec<u32>,
+    /// For every number of lanes from 1 on, how many of them the first child gets, or 0 where one lane less serves as well.
+    /// With one lane a node becomes a wide one, whose lanes its children share.
     shares: Vec<[u8; WIDTH]>,
 }
 
@@ -24,20 +27,26 @@ impl<'a> Fold<'a> {
         }
         // Expected steps of a subtree that has 1 to 8 lanes.
         let mut costs = vec![[0f32; WIDTH]; nodes.len()];
-        let mut shares = vec![[0; WIDTH]; nodes.len()];
+        let mut this = Self { nodes, counts: vec![0; nodes.len()], shares: vec![[0; WIDTH]; nodes.len()] };
         for &i in order.iter().rev() {
             let area = nodes[i].aabb().half_area();
             if nodes[i].is_leaf() {
-                costs[i] = [area; WIDTH];
-            } else {
-                let [a, b] = children(&nodes[i]).map(|c| costs[c]);
-                (costs[i], shares[i]) = best(area, &a, &b);
+                (costs[i], this.counts[i]) = ([area; WIDTH], nodes[i].prim_count);
+                continue;
             }
+            let [a, b] = children(&nodes[i]);
+            this.counts[i] = this.counts[a] + this.counts[b];
+            (costs[i], this.shares[i]) = best(area, this.is_leaf(i), &costs[a], &costs[b]);
         }
-        Self { nodes, shares }
+        this
     }
 
-    /// The children of wide node `i`, which is no leaf: leaves and nodes of the binary tree.
+    /// Whether node `i`, where it has one lane, is a leaf: it holds no more triangles than that.
+    pub fn is_leaf(&self, i: usize) -> bool {
+        self.counts[i] as usize <= WIDTH
+    }
+
+    /// The children of wide node `i`, which is no leaf.
     pub fn children(&self, i: usize) -> Vec<usize> {
         let mut found = Vec::with_capacity(WIDTH);
         let mut open = self.shared(i, WIDTH, self.shares[i][0]).to_vec();
@@ -59,6 +68,21 @@ impl<'a> Fold<'a> {
         let [a, b] = children(&self.nodes[i]);
         [(b, lanes - usize::from(first)), (a, usize::from(first))]
     }
+
+    /// The leaves of the binary tree below node `i`.
+    pub fn leaves(&self, i: usize) -> impl Iterator<Item = &Bvh2Node> {
+        let mut open = vec![&self.nodes[i]];
+        core::iter::from_fn(move || {
+            loop {
+                let node = open.pop()?;
+                if node.is_leaf() {
+                    return Some(node);
+                }
+                let [a, b] = children(node);
+                open.extend([&self.nodes[b], &self.nodes[a]]);
+            }
+        })
+    }
 }
 
 fn children(node: &Bvh2Node) -> [usize; 2] {
@@ -66,7 +90,7 @@ fn children(node: &Bvh2Node) -> [usize; 2] {
 }
 
 /// Least costs of a node of this surface, and the shares of its first child, from the costs of its children.
-fn best(area: f32, a: &[f32; WIDTH], b: &[f32; WIDTH]) -> ([f32; WIDTH], [u8; WIDTH]) {
+fn best(area: f32, is_leaf: bool, a: &[f32; WIDTH], b: &[f32; WIDTH]) -> ([f32; WIDTH], [u8; WIDTH]) {
     let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [1; WIDTH]);
     for lanes in 2..=WIDTH {
         for first in 1..lanes {
@@ -76,7 +100,8 @@ fn best(area: f32, a: &[f32; WIDTH], b: &[f32; WIDTH]) -> ([f32; WIDTH], [u8; WI
             }
         }
     }
-    (costs[0], shares[0]) = (area + costs[WIDTH - 1], shares[WIDTH - 1]);
+    shares[0] = shares[WIDTH - 1];
+    costs[0] = if is_leaf { area } else { area + costs[WIDTH - 1] };
     for lanes in 2..=WIDTH {
         if costs[lanes - 2] <= costs[lanes - 1] {
             (costs[lanes - 1], shares[lanes - 1]) = (costs[lanes - 2], 0);
