@@ -3,7 +3,7 @@
 use super::stack::{Lanes, Stack};
 use super::{LEAF, Leaf, Node, TriangleBvh, WIDTH};
 use crate::ray::{Hit, Ray};
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, mask32x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, mask32x8};
 use glam::Vec3A;
 
 impl TriangleBvh {
@@ -28,15 +28,10 @@ impl TriangleBvh {
     }
 }
 
-/// Share of a product of two floats that its rounding cannot exceed, with room for the rounding of the slack itself.
-const SLACK: f32 = 1.0 / (1 << 22) as f32;
-
 /// What a ray needs in the box test.
 struct BoxTest<S: Simd> {
+    origin: [f32x8<S>; 3],
     inverse: [f32x8<S>; 3],
-    /// −origin · inverse of each axis, rounded down for near planes and up for far ones.
-    near_offset: [f32x8<S>; 3],
-    far_offset: [f32x8<S>; 3],
     /// Index into [`Node::bounds`] of the near and the far plane of each axis.
     near: [usize; 3],
     far: [usize; 3],
@@ -51,38 +46,28 @@ impl<S: Simd> BoxTest<S> {
         let d = Vec3A::select(d.abs().cmplt(tiny), tiny.copysign(d), d).recip();
         let sign = d.is_negative_bitmask() as usize;
         let near = [3 * (sign & 1), 1 + 3 * (sign >> 1 & 1), 2 + 3 * (sign >> 2 & 1)];
-        let offset = -o * d;
-        let slack = offset.abs() * SLACK;
-        let splat = |v: Vec3A| [f32x8::splat(simd, v.x), f32x8::splat(simd, v.y), f32x8::splat(simd, v.z)];
         Self {
-            inverse: splat(d),
-            near_offset: splat(offset - slack),
-            far_offset: splat(offset + slack),
+            origin: [f32x8::splat(simd, o.x), f32x8::splat(simd, o.y), f32x8::splat(simd, o.z)],
+            inverse: [f32x8::splat(simd, d.x), f32x8::splat(simd, d.y), f32x8::splat(simd, d.z)],
             near,
             far: [3 - near[0], 5 - near[1], 7 - near[2]],
         }
     }
 
-    /// Distances to the planes of one axis where the ray enters each child's box.
+    /// Distances to a plane of each child's box, on one axis.
     #[inline(always)]
-    fn near(&self, simd: S, node: &Node, axis: usize) -> f32x8<S> {
-        f32x8::load_array_ref(simd, &node.bounds[self.near[axis]]).mul_add(self.inverse[axis], self.near_offset[axis])
-    }
-
-    /// Where it leaves.
-    #[inline(always)]
-    fn far(&self, simd: S, node: &Node, axis: usize) -> f32x8<S> {
-        f32x8::load_array_ref(simd, &node.bounds[self.far[axis]]).mul_add(self.inverse[axis], self.far_offset[axis])
+    fn plane(&self, simd: S, node: &Node, plane: usize, axis: usize) -> f32x8<S> {
+        (f32x8::load_array_ref(simd, &node.bounds[plane]) - self.origin[axis]) * self.inverse[axis]
     }
 
     /// Entry distances, and the lanes whose box meets (t_min, t_max). The far distance is enlarged by the rounding
     /// error of the test (Ize 2013, "Robust BVH ray traversal").
     #[inline(always)]
     fn test(&self, simd: S, node: &Node, t_min: f32, t_max: f32) -> (f32x8<S>, mask32x8<S>) {
-        let near = self.near(simd, node, 0).max(self.near(simd, node, 1));
-        let near = near.max(self.near(simd, node, 2)).max(f32x8::splat(simd, t_min));
-        let far = self.far(simd, node, 0).min(self.far(simd, node, 1));
-        let far = far.min(self.far(simd, node, 2)) * f32x8::splat(simd, 1.000_000_4);
+        let near = self.plane(simd, node, self.near[0], 0).max(self.plane(simd, node, self.near[1], 1));
+        let near = near.max(self.plane(simd, node, self.near[2], 2)).max(f32x8::splat(simd, t_min));
+        let far = self.plane(simd, node, self.far[0], 0).min(self.plane(simd, node, self.far[1], 1));
+        let far = far.min(self.plane(simd, node, self.far[2], 2)) * f32x8::splat(simd, 1.000_000_4);
         let far = far.min(f32x8::splat(simd, t_max));
         (near, near.simd_le(far))
     }
