@@ -47,7 +47,7 @@ pub enum FormatError {
     #[error("table version {0}, this program reads versions {older} and {VERSION}: fit it again", older = VERSION - 1)]
     Version(u32),
     /// The version of a family is none that this library reads.
-    #[error("version {0} of a family of tables, this program reads version {version}: fit it again", version = crate::family::VERSION)]
+    #[error("version {0} of a family of tables, which this program does not read: fit it again")]
     FamilyVersion(u32),
     /// The file ends early, or goes on after its end.
     #[error("{what} needs {expected} bytes, the file has {found}")]
