@@ -4,7 +4,7 @@ use crate::errors::Errors;
 use crate::table::CellInfo;
 use core::f64::consts::PI;
 
-/// Five errors by [`code`], then the support in steps of π/255; all rounded up.
+/// Five errors by a code of a byte, then the support in steps of π/255; all rounded up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measured(pub [u8; 6]);
 
