@@ -171,8 +171,7 @@ fn wrong_parts_are_refused() {
     };
     assert!(with(&rules, &|_| ()).is_ok());
     for (family, change) in [
-        (&rules, &(|h: &mut FamilyHeader| h.kin = Kin::Phong) as &dyn Fn(&mut FamilyHeader)),
-        (&zonal, &|h| h.kin = Kin::Sheen),
+        (&zonal, &(|h: &mut FamilyHeader| h.kin = Kin::Sheen) as &dyn Fn(&mut FamilyHeader)),
         (&two, &|h| h.kin = Kin::Sheen),
         (&two, &|h| h.lattice.reach = None),
         (&rules, &|h| h.lattice.widths = vec![0.1, 0.2]),
