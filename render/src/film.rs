@@ -112,7 +112,7 @@ fn sample_pixel<I: Integrator>(
         pass += light;
         pixel.add(sample, index < middle);
     }
-    pixel.pass_squares += pass * pass / count;
+    pixel.add_pass(pass, count);
 }
 
 /// Samples of the next pass and, where known, of the whole rendering; `None` when the budget is spent.

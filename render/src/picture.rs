@@ -4,7 +4,6 @@ use crate::bsdf::Split;
 use crate::memory;
 use crate::scene::{Camera, Crop, Rgb};
 use crate::world::{Counts, Queries};
-use core::ops::AddAssign;
 use glam::Vec3A;
 use std::time::Duration;
 
@@ -22,12 +21,12 @@ pub enum Budget {
 /// Sums over the samples of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pixel {
-    /// Everything, summed; distances are depths along the camera's axis.
-    pub sum: Radiance,
+    /// Everything, summed, without the gaps that vectors leave.
+    sums: [f32; RADIANCE],
     /// Sum of the squares of the samples' mean channel.
     pub squares: f32,
     /// Over the passes, sum of (the samples' sum)² / (their number).
-    pub pass_squares: Rgb,
+    pub pass_squares: [f32; 3],
     /// Number of samples that met a surface.
     pub surfaces: u32,
     /// Number of samples whose indirect light came from records, which have no noise.
@@ -37,13 +36,33 @@ pub struct Pixel {
 }
 
 impl Pixel {
+    /// Everything, summed; distances are depths along the camera's axis.
+    #[inline(always)]
+    pub fn sum(&self) -> Radiance {
+        Radiance::unpacked(&self.sums)
+    }
+
+    /// Puts other sums in their place.
+    #[inline(always)]
+    pub(crate) fn set_sum(&mut self, sum: &Radiance) {
+        self.sums = sum.packed();
+    }
+
+    /// Adds the sum of the samples of a pass.
+    #[inline(always)]
+    pub(crate) fn add_pass(&mut self, pass: Rgb, samples: f32) {
+        self.pass_squares = (Rgb::from_array(self.pass_squares) + pass * pass / samples).to_array();
+    }
+
     /// Adds the light of a sample; `first` tells its half.
     #[inline(always)]
     pub(crate) fn add(&mut self, sample: Radiance, first: bool) {
         if first {
             self.add_to_half([sample.direct.sum(), sample.indirect.sum()]);
         }
-        self.sum += sample;
+        for (sum, value) in self.sums.iter_mut().zip(sample.packed()) {
+            *sum += value;
+        }
     }
 
     /// Adds direct and indirect light of samples of the first half, which is in the sum on its own.
@@ -98,7 +117,38 @@ pub struct Radiance {
     pub distance: f32,
 }
 
+/// Numbers of a [`Radiance`].
+const RADIANCE: usize = 22;
+
 impl Radiance {
+    /// Its numbers, one after the other.
+    #[inline(always)]
+    fn packed(&self) -> [f32; RADIANCE] {
+        let (direct, indirect) = (self.direct, self.indirect);
+        let colors =
+            [self.emission, direct.diffuse, direct.glossy, indirect.diffuse, indirect.glossy, self.albedo, self.normal];
+        let mut packed = [0.0; RADIANCE];
+        for (i, c) in colors.into_iter().enumerate() {
+            packed[3 * i..3 * i + 3].copy_from_slice(&c.to_array());
+        }
+        packed[RADIANCE - 1] = self.distance;
+        packed
+    }
+
+    /// What has these numbers.
+    #[inline(always)]
+    fn unpacked(packed: &[f32; RADIANCE]) -> Self {
+        let color = |i: usize| Rgb::new(packed[3 * i], packed[3 * i + 1], packed[3 * i + 2]);
+        Self {
+            emission: color(0),
+            direct: Split { diffuse: color(1), glossy: color(2) },
+            indirect: Split { diffuse: color(3), glossy: color(4) },
+            albedo: color(5),
+            normal: color(6),
+            distance: packed[RADIANCE - 1],
+        }
+    }
+
     /// Light of all ways.
     #[inline]
     pub fn sum(&self) -> Rgb {
@@ -128,20 +178,9 @@ pub(crate) fn summable(x: Rgb) -> bool {
     x.abs().cmplt(Vec3A::splat(1e30)).all()
 }
 
-impl AddAssign for Radiance {
-    #[inline]
-    fn add_assign(&mut self, other: Self) {
-        self.emission += other.emission;
-        self.direct = self.direct + other.direct;
-        self.indirect = self.indirect + other.indirect;
-        self.albedo += other.albedo;
-        self.normal += other.normal;
-        self.distance += other.distance;
-    }
-}
-
-/// Bytes that a pixel takes while an EXR of it is made, beside the film: channels, and the file twice while it grows.
-const EXR_BYTES: u64 = 28 * 4 * 3;
+/// Bytes that a pixel takes while a file of it is made, beside the film: what a screen shows, in single precision and as it is
+/// written. An EXR is made line by line.
+const FILE_BYTES: u64 = 24;
 /// Bytes of the surfaces that a cached rendering keeps of a pixel, about: a lens shows more of them.
 const SURFACE_BYTES: [u64; 2] = [1024, 3072];
 
@@ -154,7 +193,7 @@ const DENOISE_BYTES: u64 = 200;
 /// One line with what it needs and what there is.
 pub fn require_memory(camera: &Camera, cached: bool, lens: bool, denoised: bool) -> Result<(), String> {
     let Crop { width, height, .. } = camera.film.window();
-    let work = if cached { SURFACE_BYTES[usize::from(lens)] } else { EXR_BYTES };
+    let work = if cached { SURFACE_BYTES[usize::from(lens)] } else { FILE_BYTES };
     let pixel = size_of::<Pixel>() as u64 + work + if denoised { DENOISE_BYTES } else { 0 };
     let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
     memory::require(&format!("a film of {width} × {height} pixels"), need)
@@ -171,8 +210,8 @@ impl Picture {
     /// inside each; `None` with less than two passes.
     pub fn variance(&self, pixel: &Pixel) -> Option<Rgb> {
         let (n, degrees) = (self.spp as f32, self.passes.checked_sub(1).filter(|d| *d > 0)? as f32);
-        let sum = pixel.sum.sum();
-        Some((pixel.pass_squares - sum * sum / n).max(Rgb::ZERO) / (degrees * n))
+        let sum = pixel.sum().sum();
+        Some((Rgb::from_array(pixel.pass_squares) - sum * sum / n).max(Rgb::ZERO) / (degrees * n))
     }
 
     /// Root of the mean over the pixels of (variance of the pixel's mean)/(mean² + 0.01), in the mean of the channels.
@@ -180,7 +219,7 @@ impl Picture {
     pub fn relative_error(&self) -> f32 {
         let n = self.spp as f32;
         let of_pixel = |p: &Pixel| {
-            let mean = p.sum.sum().element_sum() / (3.0 * n);
+            let mean = p.sum().sum().element_sum() / (3.0 * n);
             let variance = (p.squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0);
             f64::from(variance / (mean * mean + 0.01))
         };

@@ -117,5 +117,5 @@ fn draw(mut scene: Scene) {
     let world = World::new(scene).expect("a scene that is loaded can be drawn");
     let tracer = PathTracer { settings, indirect_only: false };
     let picture = film::render(&world, &tracer, Budget::Samples(1), 0, &|_| ());
-    assert!(picture.pixels.iter().all(|p| p.sum.is_finite()), "light that is not finite");
+    assert!(picture.pixels.iter().all(|p| p.sum().is_finite()), "light that is not finite");
 }

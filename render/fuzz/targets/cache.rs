@@ -75,7 +75,7 @@ fuzz_target!(init: render_fuzz::one_thread(), |data: &[u8]| {
             // Nothing is added to the records.
             loaded.complete = true;
             let (picture, ..) = render_cached(&WORLD, &method.policy, &settings(), Some(loaded), &|_| ());
-            assert!(picture.pixels.iter().all(|p| p.sum.is_finite()), "light that is not finite");
+            assert!(picture.pixels.iter().all(|p| p.sum().is_finite()), "light that is not finite");
         }
         Err(error) => render_fuzz::check_message(&error.to_string()),
     }

@@ -1,6 +1,7 @@
 //! Choices of the library by name: what `--help` lists, and what may be typed.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use render::image::Part;
 use render::image::view::View;
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients};
@@ -48,6 +49,23 @@ pub(super) const VIEWS: [Choice<View>; 3] = [
         View::Filmic,
         "Blender's default before 4.0: as AgX, with more colour in bright light and hues that turn",
     ),
+];
+
+/// Layers of an EXR.
+pub(super) const PARTS: [Choice<Option<Part>>; 9] = [
+    (Part::Noisy.name(), Some(Part::Noisy), "The picture before it was denoised"),
+    (
+        Part::Variance.name(),
+        Some(Part::Variance),
+        "Variance of its pixels, from 17 samples on: `render compare --z-test`",
+    ),
+    (Part::Emission.name(), Some(Part::Emission), "Light that comes straight from lamps and the sky"),
+    (Part::Direct.name(), Some(Part::Direct), "Light that was scattered once, diffuse and glossy"),
+    (Part::Indirect.name(), Some(Part::Indirect), "Light that was scattered more often, diffuse and glossy"),
+    (Part::Albedo.name(), Some(Part::Albedo), "Reflectance, as mirrors and clear glass show it"),
+    (Part::Normal.name(), Some(Part::Normal), "Shading normal, likewise"),
+    (Part::Depth.name(), Some(Part::Depth), "Depth along the camera's axis"),
+    ("none", None, "The picture alone"),
 ];
 
 /// A parser of one of the choices.

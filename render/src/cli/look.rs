@@ -1,12 +1,12 @@
 //! How pictures look: options for what people see, and for what a compositor lays over something else.
 
-use super::choices::{VIEWS, choices};
+use super::choices::{PARTS, VIEWS, choices};
 use anyhow::{Result, bail};
 use kit::number::number;
 use render::image::view::{Display, View};
-use render::image::{Format, Look};
+use render::image::{Format, Look, Part};
 use render::scene::Film;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Largest exposure either way, stops.
 const MAX_EXPOSURE: f32 = 64.0;
@@ -29,6 +29,12 @@ pub struct Looking {
     /// and WebP are not, as these formats ask for.
     #[arg(long)]
     pub(super) transparent: bool,
+    /// Layers that an EXR holds beside the picture, with commas between them [default: all that there are].
+    ///
+    /// In single precision are the picture, what is measured of it (noisy, variance) and depth; the others in half precision,
+    /// unless a number does not fit: one beyond 65504, or a layer all below 1/64.
+    #[arg(long, value_name = "LAYER,…", value_delimiter = ',', value_parser = choices(&PARTS))]
+    layers: Option<Vec<Option<Part>>>,
 }
 
 impl Looking {
@@ -44,6 +50,14 @@ impl Looking {
                 bail!("{option} needs an output for a screen (.png, .jpg or .webp): EXR keeps the light as it is");
             }
         }
+        if let Some(layers) = &self.layers {
+            if !outputs.iter().any(|path| is_exr(path)) {
+                bail!("--layers needs an output that has layers (.exr)");
+            }
+            if layers.len() > 1 && layers.contains(&None) {
+                bail!("--layers none goes with no other layer");
+            }
+        }
         if self.transparent
             && let Some((path, format)) = formats().find(|(_, format)| !format.is_transparent())
         {
@@ -55,8 +69,16 @@ impl Looking {
     /// As pictures are written.
     pub fn look(&self) -> Look {
         let display = Display::new(self.view.unwrap_or_default(), self.exposure.unwrap_or(0.0));
-        Look { display, alpha: self.transparent, note: None }
+        let parts = match &self.layers {
+            Some(layers) => layers.iter().copied().flatten().collect(),
+            None => Part::ALL.to_vec(),
+        };
+        Look { display, alpha: self.transparent, note: None, parts }
     }
+}
+
+fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
 /// Refuses a film that is larger than a format of the outputs can be.

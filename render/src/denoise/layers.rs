@@ -39,15 +39,15 @@ const TRACED: f32 = 0.01;
 impl Layers {
     /// Of a rendering.
     pub fn new(picture: &Picture) -> Self {
-        let albedo = picture.mean(|p| p.sum.albedo.clamp(Rgb::ZERO, Rgb::splat(picture.spp as f32)));
+        let albedo = picture.mean(|p| p.sum().albedo.clamp(Rgb::ZERO, Rgb::splat(picture.spp as f32)));
         Self {
             width: picture.width as usize,
             height: picture.height as usize,
             spp: picture.spp,
-            direct: Layer::new(picture, 0, |p| p.sum.direct.sum()),
-            indirect: Layer::new(picture, 1, |p| p.sum.indirect.sum()),
+            direct: Layer::new(picture, 0, |p| p.sum().direct.sum()),
+            indirect: Layer::new(picture, 1, |p| p.sum().indirect.sum()),
             albedo,
-            normal: picture.mean(|p| p.sum.normal),
+            normal: picture.mean(|p| p.sum().normal),
         }
     }
 
@@ -81,10 +81,10 @@ impl Layers {
             clean.filter(|l| l.is_finite()).unwrap_or(noisy)
         };
         let pixel = |(i, p): (usize, &Pixel)| {
-            let (noisy, indirect) = (p.sum.direct.sum() * scale, p.sum.indirect.sum() * scale);
+            let (noisy, indirect) = (p.sum().direct.sum() * scale, p.sum().indirect.sum() * scale);
             let traced = ((1.0 - p.held * scale) / TRACED).clamp(0.0, 1.0);
             let indirect = indirect.lerp(at(&light[1], i, indirect), traced);
-            (p.sum.emission * scale + at(&light[0], i, noisy) + indirect).max(Rgb::ZERO).to_array()
+            (p.sum().emission * scale + at(&light[0], i, noisy) + indirect).max(Rgb::ZERO).to_array()
         };
         picture.pixels.par_iter().enumerate().map(pixel).collect()
     }

@@ -1,6 +1,8 @@
 //! Pictures in memory and in files.
 
 #[cfg(feature = "formats")]
+mod layers;
+#[cfg(feature = "formats")]
 mod note;
 mod raster;
 #[cfg(feature = "formats")]
@@ -14,6 +16,8 @@ mod write;
 use crate::picture::{Picture, Pixel};
 use crate::scene::Rgb;
 
+#[cfg(feature = "formats")]
+pub use layers::Part;
 #[cfg(feature = "formats")]
 pub use note::read_note;
 pub use raster::{Channels, Raster, Samples, half};
@@ -40,7 +44,7 @@ pub struct Image {
 impl Picture {
     /// The whole light, as a picture: without its noise where that has been taken away.
     pub fn image(&self) -> Image {
-        let pixels = self.denoised.clone().unwrap_or_else(|| self.mean(|p| p.sum.sum()));
+        let pixels = self.denoised.clone().unwrap_or_else(|| self.mean(|p| p.sum().sum()));
         Image { width: self.width, height: self.height, pixels }
     }
 

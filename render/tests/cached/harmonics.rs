@@ -202,7 +202,7 @@ fn gradients_make_pictures_better() {
     let world = world("floor.xml", &[("n", "20"), ("width", "64"), ("height", "64")]);
     let glossy = |picture: &Picture| -> Vec<f64> {
         let scale = 1.0 / f64::from(picture.spp);
-        picture.pixels.iter().map(|p| f64::from(p.sum.indirect.glossy.y) * scale).collect()
+        picture.pixels.iter().map(|p| f64::from(p.sum().indirect.glossy.y) * scale).collect()
     };
     let reference = glossy(&traced(&world, 512));
     let error = |gradients: Gradients| -> f64 {

@@ -35,7 +35,7 @@ fn no_light_leaks_into_a_closed_box() {
         scene.shapes[1].emitter = None;
         scene.environment = Some(Environment::Constant(Rgb::splat(1e6)));
         let picture = picture(scene, 64);
-        assert!(picture.pixels.iter().all(|p| p.sum.sum() == Rgb::ZERO), "scale {factor}");
+        assert!(picture.pixels.iter().all(|p| p.sum().sum() == Rgb::ZERO), "scale {factor}");
         assert!(picture.pixels.iter().all(|p| p.surfaces == 64), "scale {factor}");
     }
 }
@@ -53,7 +53,7 @@ fn the_picture_does_not_depend_on_the_scale() {
     );
     let glossy = Material::Phong { diffuse: gray(0.2), specular: gray(0.6), exponent: FloatTexture::Constant(60.0) };
     let scene = lit_box(vec![diffuse(0.6), glossy], vec![block]);
-    let mean = |p: &Picture| p.pixels.iter().map(|p| f64::from(p.sum.sum().y)).sum::<f64>();
+    let mean = |p: &Picture| p.pixels.iter().map(|p| f64::from(p.sum().sum().y)).sum::<f64>();
     let expected = mean(&picture(scene.clone(), 64));
     for factor in [1e-3, 1e3] {
         let other = mean(&picture(scaled(scene.clone(), factor), 64));
@@ -66,7 +66,7 @@ fn same_bytes_on_any_number_of_threads() {
     let bytes = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let picture = pool.install(|| picture(lit_box(vec![diffuse(0.7)], vec![]), 20));
-        picture.pixels.iter().flat_map(|p| p.sum.sum().to_array().map(f32::to_bits)).collect::<Vec<_>>()
+        picture.pixels.iter().flat_map(|p| p.sum().sum().to_array().map(f32::to_bits)).collect::<Vec<_>>()
     };
     let one = bytes(1);
     assert_eq!(one, bytes(2));

@@ -14,7 +14,7 @@ fn mean(pixels: &[Pixel], spp: u32) -> (f64, f64) {
     let n = f64::from(spp);
     let (mut sum, mut variance) = (0.0, 0.0);
     for p in pixels {
-        let m = f64::from(p.sum.sum().element_sum()) / (3.0 * n);
+        let m = f64::from(p.sum().sum().element_sum()) / (3.0 * n);
         sum += m;
         variance += (f64::from(p.squares) / n - m * m).max(0.0) / n;
     }
@@ -35,7 +35,7 @@ fn agree(name: &str, scene: Scene, spp: u32) {
     let n = f64::from(spp);
     let z2 = full.pixels.iter().zip(&twin.pixels).map(|(p, q)| {
         let of = |p: &Pixel| {
-            let m = f64::from(p.sum.sum().element_sum()) / (3.0 * n);
+            let m = f64::from(p.sum().sum().element_sum()) / (3.0 * n);
             (m, (f64::from(p.squares) / n - m * m).max(0.0) / n)
         };
         let ((m, v), (k, w)) = (of(p), of(q));
@@ -46,10 +46,10 @@ fn agree(name: &str, scene: Scene, spp: u32) {
     // The layers are the picture.
     let indirect = run(&PathTracer { settings, indirect_only: true });
     for p in &indirect.pixels {
-        assert_eq!(p.sum.emission + p.sum.direct.sum(), Rgb::ZERO);
+        assert_eq!(p.sum().emission + p.sum().direct.sum(), Rgb::ZERO);
     }
-    let layer: f64 = full.pixels.iter().map(|p| f64::from(p.sum.indirect.sum().element_sum())).sum();
-    let only: f64 = indirect.pixels.iter().map(|p| f64::from(p.sum.sum().element_sum())).sum();
+    let layer: f64 = full.pixels.iter().map(|p| f64::from(p.sum().indirect.sum().element_sum())).sum();
+    let only: f64 = indirect.pixels.iter().map(|p| f64::from(p.sum().sum().element_sum())).sum();
     let scale = 3.0 * n * full.pixels.len() as f64;
     assert!((layer - only).abs() / scale < 6.0 * error + 1e-3 * b, "{name}: indirect {layer} {only}");
 }

@@ -12,7 +12,7 @@ use crate::pending::Pending;
 pub use outputs::{Outputs, check_folder};
 use place::{Place, folder_of};
 use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -46,6 +46,11 @@ fn replace(target: &Path, old: Option<fs::Metadata>, bytes: &[u8]) -> io::Result
     let file = temporary(folder_of(target))?;
     let _pending = Pending::new(file.path());
     file.as_file().write_all(bytes)?;
+    finish(file, target, old)
+}
+
+/// Puts a file that is written into its place.
+fn finish(file: NamedTempFile, target: &Path, old: Option<fs::Metadata>) -> io::Result<()> {
     if let Some(old) = old {
         file.as_file().set_permissions(old.permissions())?;
     }
@@ -53,6 +58,37 @@ fn replace(target: &Path, old: Option<fs::Metadata>, bytes: &[u8]) -> io::Result
     file.as_file().sync_all()?;
     file.persist(target).map(drop).map_err(|e| e.error)
 }
+
+/// Writes a file whole or not at all, piece by piece: what `write` makes need not fit into memory. A device or a pipe gets it when
+/// all of it is there.
+///
+/// # Errors
+/// A place that cannot be written, or not all of it, and those of `write`: what was there is then still there.
+pub fn write_with<E: From<OutputError>>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn WriteSeek) -> Result<(), E>,
+) -> Result<(), E> {
+    let fail = |what| OutputError { path: path.into(), what };
+    let io = |e: io::Error| fail(plain(&e));
+    let Place::File { path: target, old } = Place::of(path).map_err(fail)? else {
+        let mut bytes = Cursor::new(Vec::new());
+        write(&mut bytes)?;
+        return Ok(self::write(path, &bytes.into_inner())?);
+    };
+    let file = temporary(folder_of(&target)).map_err(io)?;
+    let _pending = Pending::new(file.path());
+    let mut buffered = BufWriter::with_capacity(1 << 20, file.as_file());
+    write(&mut buffered)?;
+    buffered.flush().map_err(io)?;
+    drop(buffered);
+    finish(file, &target, old).map_err(io)?;
+    Ok(())
+}
+
+/// What a file is written to: forwards, and back to where its beginning was left open.
+pub trait WriteSeek: Write + Seek {}
+
+impl<T: Write + Seek> WriteSeek for T {}
 
 /// A file beside its place, with the permissions of any new file.
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {

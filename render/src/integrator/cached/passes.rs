@@ -189,15 +189,17 @@ fn indirect_row(
             let samplers = |path: u32| Sampler::new(seed.wrapping_add(1), at, path);
             let indirect = shader.indirect(surfaces, &samplers, scratch, &mut queries);
             if summable(indirect.light.sum()) {
-                pixel.sum.indirect = pixel.sum.indirect + indirect.light;
+                let mut sum = pixel.sum();
+                sum.indirect = sum.indirect + indirect.light;
                 pixel.add_to_half([Rgb::ZERO, indirect.half * share_of_first]);
                 pixel.held = indirect.held;
                 // Records may ring; a pixel never shines less than not at all.
-                let (here, all) = (indirect.light, pixel.sum.indirect);
+                let (here, all) = (indirect.light, sum.indirect);
                 if here.diffuse.min(here.glossy).min(all.diffuse).min(all.glossy).min_element() < 0.0 {
                     negative += 1;
-                    pixel.sum.indirect.glossy -= pixel.sum.sum().min(Rgb::ZERO);
+                    sum.indirect.glossy -= sum.sum().min(Rgb::ZERO);
                 }
+                pixel.set_sum(&sum);
             } else {
                 queries.counts.not_finite += surfaces.iter().map(Surface::samples).sum::<u64>();
             }

@@ -7,7 +7,7 @@ mod layers;
 use super::compact::compact;
 use super::primaries::{self, Primaries, REC_709};
 use super::{Pixels, Window, Windows, check_size, filled, one_line};
-use crate::image::write::SPP;
+use crate::image::layers::SPP;
 use blocks::Blocks;
 use chroma::Plane;
 use exr::math::Vec2;
