@@ -15,6 +15,10 @@ use crate::scene::{Environment, Rgb};
 use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
 
+/// Of the radius of the zones that answer, the least length of a ray that they may answer: where the ray comes from is a surface
+/// that they may not know (as where a thin thing hangs below a ceiling).
+const NEAR: f32 = 0.25;
+
 /// Follows paths from records.
 #[derive(Clone, Copy)]
 pub struct IncidentTracer<'a> {
@@ -76,8 +80,8 @@ impl IncidentTracer<'_> {
             let [choice, on_light, scattering, roulette] = sampler.next_4x2d(&mut queries.scrambles);
             // The Lambertian part is in the cache; only the rest needs another ray.
             let cached = bsdf.parts().and_then(|parts| {
-                let irradiance = interpolated(self.irradiance?, at.p, bsdf.normal(), bsdf.normal())?;
-                Some((parts, irradiance))
+                let found = interpolated(self.irradiance?, at.p, bsdf.normal(), bsdf.normal())?;
+                (hit.t > NEAR * found.radius).then_some((parts, found.irradiance))
             });
             found.radiance += throughput
                 * sample_light(world, &world.lights, &at, &bsdf, cached.is_some(), choice.x, on_light, queries).sum();

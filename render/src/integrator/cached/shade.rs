@@ -143,12 +143,15 @@ impl Shader<'_> {
         }
         let [choice, on_light, scattering, _] = sampler.next_4x2d(&mut queries.scrambles);
         let counts = !self.indirect_only || point.segments > 1;
+        let mut closeness = 0.0;
         if counts {
             // Records hold a part of the lights already.
             let treatment = self.policy.treatment(point.material.0);
             let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
             let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, on_light, queries);
-            direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, queries);
+            let (scattered, closer) = self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, queries);
+            direct = direct + scattered;
+            closeness = closer;
             let direct = direct * point.throughput;
             if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
         }
@@ -161,7 +164,7 @@ impl Shader<'_> {
                     Treatment::Glossy(glossy) => Some(glossy.with(&self.policy.kinds, LobeWidth)),
                     Treatment::Irradiance | Treatment::Traced => None,
                 };
-                let sample = Surface::new(&point, &bsdf);
+                let sample = Surface::new(&point, &bsdf, closeness);
                 if let Some(alone) = sample.and_then(|sample| self.grouping.note(sample, width, surfaces))
                     && self.has_indirect(&alone)
                 {
@@ -173,7 +176,7 @@ impl Shader<'_> {
         out
     }
 
-    /// Emitters that a direction of the BSDF meets.
+    /// Emitters that a direction of the BSDF meets, and one over the distance of what it meets.
     #[inline(always)]
     fn emitters_by_bsdf(
         &self,
@@ -183,8 +186,8 @@ impl Shader<'_> {
         choice: f32,
         u: Vec2,
         queries: &mut Queries,
-    ) -> Split {
-        let Some(sample) = bsdf.sample(choice, u) else { return Split::ZERO };
+    ) -> (Split, f32) {
+        let Some(sample) = bsdf.sample(choice, u) else { return (Split::ZERO, 0.0) };
         let left = (!sample.is_delta()).then(|| Left { receiver: receiver(&point.at, bsdf), pdf: sample.pdf });
         let ray = point.at.spawn(sample.wi);
         let hit = queries.intersect(self.world, &ray);
@@ -193,7 +196,7 @@ impl Shader<'_> {
         } else {
             environment(lights, sample.wi, left.as_ref())
         };
-        sample.weight * (light * weight)
+        (sample.weight * (light * weight), hit.t.max(f32::MIN_POSITIVE).recip())
     }
 
     /// Indirect light by one path, and what of the environment was left to the records.
@@ -265,8 +268,10 @@ impl Shader<'_> {
         let Found { light: cached, traced, doubt } = match self.policy.treatment(s.point.material.0) {
             Treatment::Irradiance => {
                 let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
-                let light = found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO });
-                Found { light, traced: 0.0, doubt: 0.0 }
+                let light =
+                    found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
+                let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
+                Found { light, traced: doubt, doubt }
             }
             Treatment::Glossy(glossy) => {
                 let frame = turned(&s.point, normal);
