@@ -102,7 +102,8 @@ fn the_noisy_picture_stays() {
         let layers = ["emission.R", "direct.diffuse.R", "direct.glossy.R", "indirect.diffuse.R", "indirect.glossy.R"];
         let layers = layers.map(get);
         for (i, w) in noisy.iter().enumerate() {
-            assert!((layers.iter().map(|l| l[i]).sum::<f32>() - w).abs() <= 1e-5 * w.abs().max(1.0));
+            // Layers have 11 bits.
+            assert!((layers.iter().map(|l| l[i]).sum::<f32>() - w).abs() <= w.abs().max(1e-3) / 2048.0);
         }
     }
     // The variance is that of the noisy picture.
@@ -110,6 +111,31 @@ fn the_noisy_picture_stays() {
     assert!(channel(&f.path("a.exr"), "variance.R").is_none());
     assert!(channel(&f.path("a.exr"), "noisy.variance.R").is_some());
     f.bad("compare a.exr noisy.exr --z-test", "not denoised");
+}
+
+/// With a budget of time `auto` uses records where ours denoises or nothing does, paths where the neural one does, unless an option
+/// asks for records; and says which.
+#[test]
+fn auto_follows_the_denoiser() {
+    let f = Folder::with(SCENE, &[]);
+    let chosen = |options: &str| {
+        let run = format!("image scene.xml --method auto --time 0.3 -o a.exr --stats s.json {options}");
+        let (_, said) = f.ok(&run);
+        let chosen = stats(&f)["chosen"].clone();
+        assert_eq!(said.contains("auto traces paths"), chosen["method"] == "path", "{said}");
+        assert!(chosen["samples"].as_u64() >= Some(1));
+        chosen
+    };
+    for options in ["--denoise off", "--denoise builtin"] {
+        let chosen = chosen(options);
+        assert!(chosen["method"] == "records" && chosen["tau"].as_f64() > Some(0.0), "{chosen}");
+    }
+    let Some(library) = library() else {
+        eprintln!("skipped in part: there is no Open Image Denoise");
+        return;
+    };
+    assert_eq!(chosen(&format!("--oidn {library}"))["method"], "path");
+    assert_eq!(chosen(&format!("--oidn {library} --tau 0.1"))["method"], "records");
 }
 
 /// What a mirror shows guides the denoiser.

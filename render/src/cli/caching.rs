@@ -28,7 +28,7 @@ pub(super) fn render(caching: &Caching, world: &World, stats: &mut Stats) -> Res
     }
     let (picture, figures, caches) =
         with_progress("image", |progress| render_cached(world, &policy, settings, kept, progress));
-    stats.take(&figures, fitting);
+    stats.take(&figures, fitting, &policy.notes);
     report(&figures);
     Ok((picture, Records { policy, settings: *settings, tolerance: *tolerance, caches }))
 }

@@ -131,9 +131,14 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     outputs::check(args, &[])?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0).into()).build()?;
     let denoiser = args.denoising.open(args.time.is_some(), pool.current_num_threads())?;
-    let job = pool
+    let mut job = pool
         .install(|| Job::new(args, &args.reading.options()?, denoiser.as_ref(), |read| outputs::check(args, read)))?;
     let mut stats = Stats::new(args.method.name(), pool.current_num_threads(), start.elapsed());
+    if job.choose(args, denoiser.as_ref()) {
+        eprintln!(
+            "render: auto traces paths: of one picture that is denoised records make no better one, of a walk they do"
+        );
+    }
     let (mut picture, records) = match &job.engine {
         Engine::Traced => (pool.install(|| traced(&job, &mut stats)), None),
         Engine::Cached(caching) => {

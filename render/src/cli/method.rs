@@ -39,7 +39,10 @@ impl Method {
 
     fn about(self) -> &'static str {
         match self {
-            Self::Auto => "EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest",
+            Self::Auto => {
+                "EAS where they pay, irradiance records on diffuse surfaces, path tracing for the rest; path tracing alone for one \
+                 picture with --time that Open Image Denoise denoises"
+            }
             Self::Path => "Path tracing: the reference",
             Self::Kind(name) => KINDS.iter().find(|kind| kind.name == name).map_or("", |kind| kind.about),
             Self::Irradiance => "Irradiance records on diffuse surfaces, path tracing of glossy ones",

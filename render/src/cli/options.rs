@@ -77,6 +77,11 @@ pub(super) fn check(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// Whether an option was given that asks for records.
+pub(super) fn for_records(args: &Args) -> bool {
+    RULES.iter().any(|rule| (rule.given)(args) && !(rule.can)(Method::Path))
+}
+
 /// `a, b or c`.
 fn listed(can: fn(Method) -> bool) -> String {
     let names: Vec<_> = Method::value_variants().iter().filter(|m| can(**m)).map(|m| m.name()).collect();

@@ -25,6 +25,27 @@ pub(super) struct Stats {
     cache_bytes: u64,
     spp: u32,
     threads: usize,
+    chosen: Chosen,
+}
+
+/// What was chosen for the picture by `auto` or by a budget of time.
+#[derive(Debug, Serialize)]
+struct Chosen {
+    /// `path` or `records`.
+    method: &'static str,
+    /// τ of the records.
+    tau: Option<f32>,
+    /// Samples per pixel of direct light; without records, of all light.
+    samples: u32,
+    /// What was done with each glossy material, in words.
+    materials: Vec<String>,
+}
+
+impl Default for Chosen {
+    /// Path tracing.
+    fn default() -> Self {
+        Self { method: "path", tau: None, samples: 0, materials: Vec::new() }
+    }
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -63,7 +84,9 @@ impl Stats {
     }
 
     /// Notes what caches did.
-    pub fn take(&mut self, figures: &Figures, fitting: Duration) {
+    pub fn take(&mut self, figures: &Figures, fitting: Duration, materials: &[String]) {
+        (self.chosen.method, self.chosen.tau) = ("records", Some(figures.tolerance));
+        self.chosen.materials = materials.to_vec();
         self.seconds.fit = fitting.as_secs_f64();
         self.seconds.fill = figures.fill.as_secs_f64();
         self.seconds.shade = figures.shade.as_secs_f64();
@@ -87,5 +110,6 @@ impl Stats {
     pub fn count(&mut self, picture: &Picture) {
         let Counts { rays, not_finite, .. } = picture.counts;
         (self.rays, self.not_finite, self.spp) = (rays, not_finite, picture.spp);
+        self.chosen.samples = picture.spp;
     }
 }

@@ -110,7 +110,8 @@ impl Denoiser {
         Ok(bounded)
     }
 
-    fn is_builtin(&self) -> bool {
+    /// Whether it is our own.
+    pub fn is_builtin(&self) -> bool {
         matches!(self.kind, Kind::Builtin)
     }
 

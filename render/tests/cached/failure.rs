@@ -5,9 +5,11 @@ use render::integrator::cached::policy::Allowed;
 
 /// Bound of the error for scenes that the cache draws well, and those that it does not, each with the reason.
 const BOUND: f64 = 0.01;
-const WORSE: [(&str, f64); 2] = [
+const WORSE: [(&str, f64); 3] = [
     // The light is a slit that few rays of a record find, and none finds for long.
     ("door-slit.xml", 0.04),
+    // The gap is traced by 64 paths, whose ends are where records know no gap (.16 where records are believed there).
+    ("hanging-lamp.xml", 0.02),
     // A zone is never smaller than a few pixels, the wall is.
     ("thin-wall.xml", 0.02),
 ];
