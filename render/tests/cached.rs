@@ -27,6 +27,8 @@ mod pictures;
 mod pieces;
 #[path = "cached/spacing.rs"]
 mod spacing;
+#[path = "cached/textures.rs"]
+mod textures;
 #[path = "cached/translation.rs"]
 mod translation;
 #[path = "cached/walk.rs"]

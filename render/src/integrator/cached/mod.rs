@@ -5,6 +5,7 @@ mod build;
 mod caches;
 mod diffuse;
 pub mod file;
+mod grades;
 mod incident;
 mod irradiance;
 mod kind;

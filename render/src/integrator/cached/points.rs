@@ -1,5 +1,6 @@
 //! The surfaces that pixels show: where records are made and read.
 
+use super::policy::{Finish, Policy};
 use crate::bsdf::Bsdf;
 use crate::camera::RayGenerator;
 use crate::frame::Frame;
@@ -21,6 +22,8 @@ pub struct Point {
     pub frame: Frame,
     /// Material behind all wrappers.
     pub material: MaterialId,
+    /// How it is treated there.
+    pub finish: Finish,
     /// Width of a pixel there, in the unit of the scene: it grows with the length of the path, through mirrors too.
     pub footprint: f32,
     /// Segments from the eye.
@@ -56,7 +59,7 @@ pub enum Seen<'a> {
 /// the last included, with the throughput and the number of segments.
 #[inline(always)]
 pub fn see<'a>(
-    world: &'a World,
+    (world, policy): (&'a World, &Policy),
     camera: &PixelCone,
     ray: Ray,
     sampler: &mut Sampler,
@@ -78,7 +81,9 @@ pub fn see<'a>(
         if !bsdf.is_delta() {
             let footprint = camera.width_at(length);
             let (frame, material) = (*bsdf.frame(), bsdf.material());
-            return Seen::Surface { point: Point { at, frame, material, footprint, segments, throughput }, bsdf };
+            let finish = policy.finish(&world.scene, material, &at.coordinates);
+            let point = Point { at, frame, material, finish, footprint, segments, throughput };
+            return Seen::Surface { point, bsdf };
         }
         let choice = sampler.next_2d();
         let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { return Seen::Ended };
@@ -121,6 +126,7 @@ impl PixelCone {
 /// What the middle of every pixel shows, found where it is asked for.
 pub(super) struct Sight<'a> {
     world: &'a World,
+    policy: &'a Policy,
     generator: RayGenerator,
     window: Crop,
     seed: u64,
@@ -131,31 +137,33 @@ pub(super) struct Sight<'a> {
 
 impl<'a> Sight<'a> {
     /// Through the camera of a world.
-    pub fn new(world: &'a World, seed: u64, max: u32) -> Self {
+    pub fn new(world: &'a World, policy: &'a Policy, seed: u64, max: u32) -> Self {
         let camera = &world.scene.camera;
         let window = camera.film.window();
         let count = window.width as usize * window.height as usize;
         let points = (0..count).map(|_| OnceLock::new()).collect();
-        Self { world, generator: RayGenerator::new(camera), window, seed, max, points }
+        Self { world, policy, generator: RayGenerator::new(camera), window, seed, max, points }
     }
 
     /// What the pixel of an index, row by row, shows.
     pub fn at(&self, i: usize) -> Option<&Point> {
-        let Self { world, generator, window, seed, max, points } = self;
+        let Self { window, points, .. } = self;
         let pixel = || {
             let at = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
-            pixel_point(world, generator, at, *seed, *max).map(Box::new)
+            self.pixel_point(at).map(Box::new)
         };
         points[i].get_or_init(pixel).as_deref()
     }
-}
 
-/// What the middle of a pixel shows; choices on the way (reflection or refraction) are the sampler's first ones.
-fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), seed: u64, max: u32) -> Option<Point> {
-    let mut sampler = Sampler::new(seed, pixel, 0);
-    let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
-    match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut Queries::default(), |_, _, _| ()) {
-        Seen::Surface { point, .. } => Some(point),
-        Seen::Nothing { .. } | Seen::Ended => None,
+    /// The same without a memory; choices on the way (reflection or refraction) are the sampler's first ones.
+    fn pixel_point(&self, pixel: (u32, u32)) -> Option<Point> {
+        let Self { world, policy, generator, seed, max, .. } = self;
+        let mut sampler = Sampler::new(*seed, pixel, 0);
+        let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
+        let cone = PixelCone::new(world);
+        match see((world, policy), &cone, ray, &mut sampler, *max, &mut Queries::default(), |_, _, _| ()) {
+            Seen::Surface { point, .. } => Some(point),
+            Seen::Nothing { .. } | Seen::Ended => None,
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! Which surfaces are cached, and by which kind of record.
 
+pub use super::grades::Finish;
+use super::grades::{Graded, Grades};
 pub use super::kinds::{Allowed, Glossy, Kinds};
 use super::kinds::{COUNT, KINDS, PerKind};
 use super::materials::is_diffuse;
 pub use super::materials::specular;
-use crate::scene::{Material, Scene};
+use crate::scene::{Coordinates, Material, MaterialId, Scene};
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
 use serde::{Serialize, Serializer};
@@ -38,8 +40,12 @@ pub struct Policy {
     pub kinds: Kinds,
     /// Kinds that were asked for.
     asked: PerKind<bool>,
-    /// By material.
+    /// By [`Finish::treatment`]: of every material, then of the steps of those whose lobe a texture gives.
     treatments: Vec<Treatment>,
+    /// How records are made, by [`Finish::class`]: for every material, then for the grades of those whose lobe a texture gives.
+    makers: Vec<Treatment>,
+    /// By material.
+    grades: Vec<Option<Grades>>,
     /// One line for each glossy material, for people.
     pub notes: Vec<String>,
 }
@@ -56,14 +62,65 @@ impl Policy {
     ) -> Result<Self, E> {
         let mut policy = Self::default();
         policy.asked = policy.kinds.ask(&allowed);
+        (policy.treatments, policy.makers) = (vec![Treatment::Traced; scene.materials.len()], Vec::new());
+        policy.makers.clone_from(&policy.treatments);
         for (i, material) in scene.materials.iter().enumerate() {
-            let (treatment, note) = policy.decide(material, &mut table)?;
+            let (grades, treatment, note) = match policy.graded(scene, material, &mut table)? {
+                Some((grades, note)) => (grades, Treatment::Traced, Some(note)),
+                None => {
+                    let (treatment, note) = policy.decide(material, &mut table)?;
+                    (None, treatment, note)
+                }
+            };
             let name = scene.material_names.get(i).filter(|n| !n.is_empty());
             let name = name.cloned().unwrap_or_else(|| format!("material {i}"));
             policy.notes.extend(note.map(|note| format!("{name}: {note}")));
-            policy.treatments.push(treatment);
+            (policy.treatments[i], policy.makers[i]) = (treatment, treatment);
+            policy.grades.push(grades);
         }
         Ok(policy)
+    }
+
+    /// The steps of a material of which a texture gives the width of the lobe, where any of them is held, and what becomes of
+    /// it in words; `None` of other materials.
+    fn graded<E>(
+        &mut self,
+        scene: &Scene,
+        material: &Material,
+        table: &mut impl FnMut(&Recipe) -> Result<Table, E>,
+    ) -> Result<Option<(Option<Grades>, String)>, E> {
+        let graded = Graded::of(material).filter(|_| !is_diffuse(material) && self.asked.iter().any(|&asked| asked));
+        let Some(ladder) = graded.and_then(|g| g.ladder(scene)) else { return Ok(None) };
+        let grades = ladder.at(self.treatments.len() as u32, self.makers.len() as u32);
+        let (mut treatments, mut makers) = (Vec::new(), Vec::new());
+        for (grade, lobe) in ladder.lobes() {
+            let glossy = match lobe {
+                Some(lobe) => self.kinds.hold(&self.asked, lobe, table)?.0,
+                None => None,
+            };
+            let treatment = glossy.map_or(Treatment::Traced, Treatment::Glossy);
+            treatments.push(treatment);
+            // The sharpest that is held.
+            makers.resize(grade as usize + 1, Treatment::Traced);
+            if makers[grade as usize] == Treatment::Traced {
+                makers[grade as usize] = treatment;
+            }
+        }
+        let [sharp, broad] = ladder.widths().map(|width| width.min(1.0));
+        let lobes = format!("lobe {sharp:.3} to {broad:.3} rad, from a texture");
+        let held = treatments.iter().filter(|t| **t != Treatment::Traced).count();
+        Ok(Some(match held {
+            0 => (None, format!("path traced ({lobes}: too sharp to cache)")),
+            _ => {
+                let whole = held == treatments.len();
+                self.treatments.extend(treatments);
+                self.makers.extend(makers);
+                (
+                    Some(grades),
+                    format!("cached ({lobes}){}", if whole { "" } else { ", path traced where it is sharper" }),
+                )
+            }
+        }))
     }
 
     /// The treatment of a material, and why.
@@ -99,10 +156,30 @@ impl Policy {
         &self.treatments
     }
 
-    /// How material number `index` is treated.
+    /// Number of classes of records.
+    pub(super) fn classes(&self) -> u32 {
+        self.makers.len() as u32
+    }
+
+    /// How a surface of a material is treated, and which records it reads.
     #[inline]
-    pub fn treatment(&self, index: u32) -> Treatment {
-        self.treatments[index as usize]
+    pub fn finish(&self, scene: &Scene, material: MaterialId, at: &Coordinates) -> Finish {
+        match &self.grades[material.0 as usize] {
+            Some(grades) => grades.finish(&scene.textures, at),
+            None => Finish::plain(material.0),
+        }
+    }
+
+    /// How a surface is treated.
+    #[inline]
+    pub fn treatment(&self, finish: Finish) -> Treatment {
+        self.treatments[finish.treatment as usize]
+    }
+
+    /// How the records of a surface are made: for the sharpest lobe of its class.
+    #[inline]
+    pub fn maker(&self, finish: Finish) -> Treatment {
+        self.makers[finish.class as usize]
     }
 }
 
@@ -117,6 +194,9 @@ impl Allowed {
 pub fn outlook(material: &Material) -> String {
     if is_diffuse(material) {
         return "irradiance records".into();
+    }
+    if Graded::of(material).is_some() {
+        return "EAS records where its lobe, which a texture gives, is wide enough".into();
     }
     match specular(material) {
         Ok(specular) => KINDS.iter().find_map(|kind| (kind.outlook)(&specular)).unwrap_or_else(|| "path traced".into()),

@@ -108,7 +108,8 @@ impl Shader<'_> {
         let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
-        let seen = see(world, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
+        let from = (world, self.policy);
+        let seen = see(from, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
             let light = emission(world, &world.lights, at, None).0 * throughput;
             guides::show(&mut out, at, &world.bsdf(at), throughput);
             match segments {
@@ -145,14 +146,14 @@ impl Shader<'_> {
         let counts = !self.indirect_only || point.segments > 1;
         if counts {
             // Records hold a part of the lights already.
-            let treatment = self.policy.treatment(point.material.0);
+            let treatment = self.policy.treatment(point.finish);
             let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
             let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, on_light, queries);
             direct = direct + self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, queries);
             let direct = direct * point.throughput;
             if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
         }
-        match self.policy.treatment(point.material.0) {
+        match self.policy.treatment(point.finish) {
             Treatment::Traced => {
                 out.indirect = out.indirect + self.traced(&point, &bsdf, None, choice.y, scattering, sampler, queries)
             }
@@ -262,7 +263,7 @@ impl Shader<'_> {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
-        let Found { light: cached, traced, doubt } = match self.policy.treatment(s.point.material.0) {
+        let Found { light: cached, traced, doubt } = match self.policy.treatment(s.finish()) {
             Treatment::Irradiance => {
                 let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
                 let light = found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e), glossy: Rgb::ZERO });
@@ -271,7 +272,7 @@ impl Shader<'_> {
             Treatment::Glossy(glossy) => {
                 let frame = turned(&s.point, normal);
                 let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                let surface = Shaded { at, hemisphere, material: s.point.material.0, parts: &s.parts };
+                let surface = Shaded { at, hemisphere, finish: s.point.finish, parts: &s.parts };
                 glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
             }
             Treatment::Traced => Found::NOTHING,

@@ -1,6 +1,7 @@
 //! The surfaces of a pixel: samples that show the same one are shaded together.
 
 use super::points::Point;
+use super::policy::Finish;
 use crate::bsdf::{Bsdf, Parts};
 use glam::Vec3A;
 
@@ -24,6 +25,8 @@ pub struct Surface {
     pub(super) normal: Vec3A,
     pub(super) wo: Vec3A,
     pub(super) parts: Parts,
+    /// Of the numbers of treatments, which ascend with the width of the lobe where a texture gives it.
+    treatments: f32,
 }
 
 impl Surface {
@@ -37,7 +40,13 @@ impl Surface {
             normal: bsdf.normal(),
             wo: point.at.wo,
             parts: parts * point.throughput,
+            treatments: point.finish.treatment as f32,
         })
+    }
+
+    /// How it is treated, with the mean lobe of its samples.
+    pub(super) fn finish(&self) -> Finish {
+        self.point.finish.with((self.treatments / self.samples).round() as u32)
     }
 
     /// Samples of the pixel that show it.
@@ -49,6 +58,7 @@ impl Surface {
     fn is(&self, other: &Self, views: f32) -> bool {
         let (a, b) = (&self.point, &other.point);
         a.material == b.material
+            && a.finish.class == b.finish.class
             && a.segments == b.segments
             && a.frame.normal().dot(other.normal) > SAME_NORMAL
             && a.at.wo.dot(b.at.wo) > views
@@ -61,6 +71,7 @@ impl Surface {
         self.normal += other.normal;
         self.wo += other.wo;
         self.parts += other.parts;
+        self.treatments += other.treatments;
     }
 }
 
