@@ -21,6 +21,8 @@ mod lamps;
 mod lens;
 #[path = "cached/library.rs"]
 mod library;
+#[path = "cached/mixtures.rs"]
+mod mixtures;
 #[path = "cached/pictures.rs"]
 mod pictures;
 #[path = "support/pieces.rs"]

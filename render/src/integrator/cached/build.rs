@@ -228,7 +228,7 @@ impl<'a> Builder<'a> {
         };
         let light = |point: &Point, record: &K::Record| {
             let held = self.held::<K>(point).filter(|_| point.finish.reads(record.zone().material))?;
-            let parts = self.world.bsdf(&point.at).parts()?;
+            let parts = point.bsdf(self.world).parts()?;
             let at = Receiver { position: point.at.p, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
             Some(SCRATCHES.with_borrow_mut(|all| kind.light(held, record, &parts, &at, quality, K::scratch(all))))
         };

@@ -66,7 +66,7 @@ pub struct Finish {
     /// The class of the records that are made for it, which stands for the material in records.
     pub class: u32,
     /// The first class of records that serve it: those from here to its own do.
-    first: u32,
+    pub(super) first: u32,
 }
 
 impl Finish {

@@ -13,6 +13,11 @@ pub(super) fn is_diffuse(material: &Material) -> bool {
     matches!(material, Material::Diffuse { .. })
 }
 
+/// Whether it has a Lambertian base under a coat that mirrors.
+pub(super) fn is_coated(material: &Material) -> bool {
+    matches!(material, Material::Plastic { .. })
+}
+
 const ROUGHNESS: &str = "its roughness comes from a texture";
 const NO_TABLE: &str = "its numbers are outside of what a table holds";
 const PERFECT: &str = "perfectly specular";

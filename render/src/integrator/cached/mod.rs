@@ -3,6 +3,7 @@
 mod budget;
 mod build;
 mod caches;
+mod components;
 mod diffuse;
 pub mod file;
 mod grades;

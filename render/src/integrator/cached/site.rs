@@ -67,7 +67,7 @@ impl<'a> Site<'a> {
 
     /// Colours of the material; `None` for a model without separate parts.
     pub fn parts(&self) -> Option<Parts> {
-        self.world.bsdf(&self.point.at).parts()
+        self.point.bsdf(self.world).parts()
     }
 
     /// Gathers light with sample points of their own, told apart by `salt`.

@@ -58,7 +58,7 @@ impl Surface {
     fn is(&self, other: &Self, views: f32) -> bool {
         let (a, b) = (&self.point, &other.point);
         a.material == b.material
-            && a.finish.class == b.finish.class
+            && (a.component, a.finish.class) == (b.component, b.finish.class)
             && a.segments == b.segments
             && a.frame.normal().dot(other.normal) > SAME_NORMAL
             && a.at.wo.dot(b.at.wo) > views

@@ -56,6 +56,9 @@ impl Eas {
             diffuse: parts.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
             glossy: sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
         });
-        Found { light, traced: held.traced.max(doubt), doubt }
+        // Where nothing shines, the irradiance is all.
+        let doubt = if parts.is_diffuse() { 0.0 } else { doubt };
+        let traced = if parts.is_diffuse() { 0.0 } else { held.traced.max(doubt) };
+        Found { light, traced, doubt }
     }
 }
