@@ -21,12 +21,16 @@ mod lamps;
 mod lens;
 #[path = "cached/library.rs"]
 mod library;
+#[path = "cached/mixtures.rs"]
+mod mixtures;
 #[path = "cached/pictures.rs"]
 mod pictures;
 #[path = "support/pieces.rs"]
 mod pieces;
 #[path = "cached/spacing.rs"]
 mod spacing;
+#[path = "cached/textures.rs"]
+mod textures;
 #[path = "cached/translation.rs"]
 mod translation;
 #[path = "cached/walk.rs"]

@@ -1,4 +1,5 @@
 use super::{MATERIAL, fitter, folder, output, path, table};
+use brdf_tables::family::{Family, Kin, families};
 use brdf_tables::table::Table;
 use serde_json::Value;
 
@@ -56,6 +57,24 @@ fn a_broken_promise_fails() {
     let json = fitter(["check", &file, "--points", "4", "--json"]).assert().code(1).get_output().stdout.clone();
     let json: Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(json["passed"], false);
+}
+
+/// The same of a family: as it is shipped it passes, and with a promise that it cannot keep it fails.
+#[test]
+fn a_family_that_breaks_its_promise_fails() {
+    let folder = folder();
+    let file = path(&folder, "sheen.fam");
+    let mut family = families().iter().find(|f| f.header.kin == Kin::Sheen).unwrap().clone();
+    let write = |family: &Family| std::fs::write(&file, family.to_bytes().unwrap()).unwrap();
+    write(&family);
+    assert!(output(["check", &file, "--points", "2"]).contains("passed"));
+    family.header.promise = [1e-9; 3];
+    write(&family);
+    let text = fitter(["check", &file, "--points", "2"]).assert().code(1).get_output().stdout.clone();
+    assert!(String::from_utf8(text).unwrap().contains("FAILED"));
+    let json = fitter(["check", &file, "--points", "2", "--json"]).assert().code(1).get_output().stdout.clone();
+    let json: Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!((&json["passed"], json["promise"]["worst"].as_f64()), (&Value::Bool(false), Some(1e-9)));
 }
 
 #[test]

@@ -28,6 +28,14 @@ impl SmoothCoat {
         (r, share(r * mean(self.specular), (1.0 - r) * mean(self.diffuse)))
     }
 
+    /// Albedo of the base at this view, light coming from everywhere alike.
+    pub fn base_albedo(&self, wo: Vec3A) -> Rgb {
+        let internal = fresnel::diffuse_reflectance(1.0 / self.eta);
+        let through = 1.0 - fresnel::dielectric(wo.z, self.eta).reflectance;
+        let through = through * (1.0 - fresnel::diffuse_reflectance(self.eta));
+        base(self.diffuse, internal, self.nonlinear, self.eta) * (through * PI)
+    }
+
     #[inline]
     pub fn value(&self, wo: Vec3A, wi: Vec3A) -> Value {
         let (r, p_specular) = self.choose(wo);

@@ -5,6 +5,7 @@
 
 mod bend;
 mod coat;
+mod components;
 mod dielectric;
 mod facets;
 mod fresnel;
@@ -21,6 +22,8 @@ mod tests;
 use crate::frame::{Frame, cosine_hemisphere};
 use crate::scene::{MaterialId, Rgb};
 pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
+pub use components::Component;
+pub(crate) use components::components_of;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::{Add, AddAssign, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
@@ -219,6 +222,8 @@ impl Bsdf<'_> {
             Model::Diffuse(reflectance) => Some(Parts::even(*reflectance, Rgb::ZERO)),
             Model::Glossy(m) => Some(Parts::even(m.diffuse, m.specular)),
             Model::RoughMetal(m) => Some(Parts::even(Rgb::ZERO, m.smooth.specular)),
+            // A base alone: the coat is looked through.
+            Model::SmoothCoat(m) if m.specular == Rgb::ZERO => Some(Parts::even(m.base_albedo(self.wo), Rgb::ZERO)),
             Model::RoughCoat(m) => Some(Parts::even(m.base_albedo(self.wo), m.specular)),
             Model::MetallicRoughness(m) => Some(m.parts(self.wo)),
             Model::Absorb

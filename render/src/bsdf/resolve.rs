@@ -19,9 +19,16 @@ fn coat_reflectance(cos: f32) -> f32 {
 }
 
 impl World {
-    /// Scattering at a point of a surface.
+    /// Scattering at a point of a surface. Of a material that is made of others, one, chosen by the point itself: right on average,
+    /// at the cost of one.
     #[inline(always)]
     pub fn bsdf(&self, at: &Interaction) -> Bsdf<'_> {
+        self.resolve(at, |share, id| crate::sampler::toss(share, u64::from(id.0), [at.p.x, at.p.y, at.p.z]))
+    }
+
+    /// The same; `second` decides whether the second of two is taken, by its share.
+    #[inline(always)]
+    pub(super) fn resolve(&self, at: &Interaction, mut second: impl FnMut(f32, MaterialId) -> bool) -> Bsdf<'_> {
         let mut id = at.material;
         let mut frame = if self.needs_tangents(id) {
             Frame::with_tangent(at.shading_normal, at.dpdu)
@@ -37,20 +44,14 @@ impl World {
                     frame = if behind { frame.flipped() } else { frame };
                 }
                 Material::Mask { inner, .. } | Material::FrontAlone { inner } => id = *inner,
-                Material::Blend { weight, first, second } => {
-                    // One of the two, chosen by the point itself: right on average, at the cost of one.
+                Material::Blend { weight, first, second: other } => {
                     let w = weight.eval(&self.scene.textures, &at.coordinates);
-                    id = if crate::sampler::toss(w, u64::from(id.0), [at.p.x, at.p.y, at.p.z]) {
-                        *second
-                    } else {
-                        *first
-                    };
+                    id = if second(w, id) { *other } else { *first };
                 }
                 Material::Coat { weight, coat, base } => {
                     let w = weight.eval(&self.scene.textures, &at.coordinates);
                     let reflected = w * coat_reflectance(frame.normal().dot(at.wo).abs());
-                    let coated = crate::sampler::toss(reflected, u64::from(id.0), [at.p.x, at.p.y, at.p.z]);
-                    id = if coated { *coat } else { *base };
+                    id = if second(reflected, id) { *coat } else { *base };
                 }
                 Material::NormalMap { texture, scale, raised, inner } => {
                     let smooth = frame.normal();

@@ -1,20 +1,21 @@
 //! What several of the tests need.
 
 use brdf_tables::brdf::{Phong, Specular};
+use brdf_tables::family;
 use brdf_tables::material::Material as Recipe;
 use brdf_tables::table::Table;
-use glam::Vec3A;
+use glam::{Affine2, Vec3A};
 use render::cache::Spacing;
 use render::film::render;
 use render::frame::Frame;
 use render::hemisphere::{GatherSample, Guide, Incident, gather_cells};
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Figures, Settings, render_cached};
+use render::integrator::cached::{Caches, Figures, Settings, render_cached};
 use render::picture::{Budget, Picture};
 use render::record::eas::Estimator;
 use render::sampler::Sampler;
-use render::scene::load;
+use render::scene::{Bitmap, FloatTexture, Interpolation, Scene, Texels, Texture, TextureId, Wrap, load};
 use render::tables::Tables;
 use render::world::World;
 use std::path::{Path, PathBuf};
@@ -108,4 +109,32 @@ pub fn compare(picture: &Picture, reference: &Picture) -> (f64, f64) {
         }
     }
     (error / (3 * columns * rows) as f64, if total > 0.0 { difference / total } else { 0.0 })
+}
+
+/// Adds a texture of smooth noise between two numbers.
+pub fn noise(scene: &mut Scene, low: f32, high: f32, to_uv: Affine2) -> FloatTexture {
+    const SIDE: u32 = 16;
+    let texel = |i: u32| low + (high - low) * ((i.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32);
+    let texels = Texels::Gray((0..SIDE * SIDE).map(texel).collect());
+    let (wrap, interpolation) = ([Wrap::Repeat; 2], Interpolation::Bilinear);
+    let bitmap = Bitmap { width: SIDE, height: SIDE, texels, wrap, interpolation, second_uv: false, to_uv };
+    scene.textures.push(Texture::Bitmap(bitmap));
+    FloatTexture::Texture(TextureId(scene.textures.len() as u32 - 1))
+}
+
+/// Draws with tables of families alone: none is fitted.
+pub fn drawn(world: &World, allowed: Allowed) -> (Policy, Picture, Figures, Caches) {
+    let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.clone()));
+    let policy = policy.expect("every lobe is of a family");
+    let settings = Settings {
+        tolerance: Some(0.05),
+        estimator: Estimator::Improved,
+        spacing: Spacing::default(),
+        sources: None,
+        budget: Budget::Samples(48),
+        seed: 1,
+        indirect_only: false,
+    };
+    let (picture, figures, caches) = render_cached(world, &policy, &settings, None, &|_| ());
+    (policy, picture, figures, caches)
 }

@@ -42,7 +42,7 @@ fn every_material_is_told_its_own_reason() {
         (metallic_roughness(0.0, FloatTexture::Texture(TextureId(0)), 0.0), "irradiance records"),
         (
             metallic_roughness(0.5, FloatTexture::Scaled(TextureId(0), 0.7), 1.0),
-            "path traced (its roughness comes from a texture)",
+            "EAS records where its lobe, which a texture gives, is wide enough",
         ),
     ] {
         assert_eq!(outlook(&material), wanted, "{material:?}");

@@ -65,7 +65,7 @@ impl<'a> Builder<'a> {
         let generator = RayGenerator::new(&world.scene.camera);
         let window = world.scene.camera.film.window();
         let max = world.scene.integrator.max_depth.min(MAX_CHAIN);
-        let sight = Sight::new(world, seed, max);
+        let sight = Sight::new(world, policy, seed, max);
         let grid = Grid { width: window.width, height: window.height };
         let rim = generator.rim(RIM_VIEWS).collect();
         let (density, refile) = (Density::Every, true);
@@ -141,7 +141,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn treatment(&self, point: &Point) -> Treatment {
-        self.policy.treatment(point.material.0)
+        self.policy.treatment(point.finish)
     }
 
     pub(super) fn filler<'p>(&self, deadline: Option<Instant>, progress: Progress<'p>) -> Filler<'p> {
@@ -174,10 +174,7 @@ impl<'a> Builder<'a> {
 
     /// How a point is held, if by this kind.
     fn held<K: Listed>(&self, point: &Point) -> Option<K::Held> {
-        match self.treatment(point) {
-            Treatment::Glossy(glossy) => K::held(glossy),
-            Treatment::Irradiance | Treatment::Traced => None,
-        }
+        held_by::<K>(self.treatment(point))
     }
 
     /// Whether pixel `i` needs no record of a kind besides those that reach it.
@@ -225,13 +222,13 @@ impl<'a> Builder<'a> {
         let covered = |cache: &Cache<K::Record>, i: usize| self.has_glossy::<K>(cache, i);
         let make = |_: &Cache<K::Record>, pixel: usize| {
             let point = self.sight.at(pixel)?;
-            let held = self.held::<K>(point)?;
+            let held = held_by::<K>(self.policy.maker(point.finish))?;
             let (record, counts) = kind.make(held, &self.site(tracer, point, pixel))?;
             self.counted(record, counts).map(|record| (record, quality.glossy.min_pixels * point.footprint))
         };
         let light = |point: &Point, record: &K::Record| {
-            let held = self.held::<K>(point).filter(|_| record.zone().material == point.material.0)?;
-            let parts = self.world.bsdf(&point.at).parts()?;
+            let held = self.held::<K>(point).filter(|_| point.finish.reads(record.zone().material))?;
+            let parts = point.bsdf(self.world).parts()?;
             let at = Receiver { position: point.at.p, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
             Some(SCRATCHES.with_borrow_mut(|all| kind.light(held, record, &parts, &at, quality, K::scratch(all))))
         };
@@ -272,19 +269,26 @@ impl EachKind for FillEach<'_> {
     type Error = Infallible;
 
     fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
-        let holds = |t: &Treatment| matches!(t, Treatment::Glossy(glossy) if K::held(*glossy).is_some());
-        if self.builder.policy.treatments().iter().any(holds) {
+        if self.builder.policy.treatments().iter().any(|treatment| held_by::<K>(*treatment).is_some()) {
             self.builder.fill::<K>(K::cache_mut(self.caches), self.tracer, self.deadline, self.progress);
         }
         Ok(())
     }
 }
 
-/// Whether records of the material of a point reach it with enough weight and trust.
+/// How a surface that is treated so is held, if by this kind.
+fn held_by<K: Listed>(treatment: Treatment) -> Option<K::Held> {
+    match treatment {
+        Treatment::Glossy(glossy) => K::held(glossy),
+        Treatment::Irradiance | Treatment::Traced => None,
+    }
+}
+
+/// Whether records that serve a point reach it with enough weight and trust.
 fn is_covered<R: Record>(cache: &Cache<R>, p: &Point, weight: Weight, trust: impl Fn(&R) -> f32) -> bool {
     let mut best = 0f32;
     cache.interpolate(p.at.p, p.hemisphere_normal(), weight, |r, w| {
-        if r.zone().material == p.material.0 {
+        if p.finish.reads(r.zone().material) {
             best = best.max(w * trust(r));
         }
     });

@@ -2,6 +2,7 @@
 //! goes over the list of kinds and knows none of them.
 
 use super::file::{CacheFileError, Reader};
+use super::policy::Finish;
 use super::settings::Quality;
 use super::site::Site;
 use crate::bsdf::{Parts, Split};
@@ -130,8 +131,8 @@ pub struct Shaded<'a> {
     pub at: Receiver,
     /// Normal of the hemisphere of records, which no texture bends.
     pub hemisphere: Vec3A,
-    /// Index of the material.
-    pub material: u32,
+    /// Which records serve it.
+    pub finish: Finish,
     /// Colours, summed over the samples.
     pub parts: &'a Parts,
 }

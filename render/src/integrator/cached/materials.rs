@@ -13,6 +13,11 @@ pub(super) fn is_diffuse(material: &Material) -> bool {
     matches!(material, Material::Diffuse { .. })
 }
 
+/// Whether it has a Lambertian base under a coat that mirrors.
+pub(super) fn is_coated(material: &Material) -> bool {
+    matches!(material, Material::Plastic { .. })
+}
+
 const ROUGHNESS: &str = "its roughness comes from a texture";
 const NO_TABLE: &str = "its numbers are outside of what a table holds";
 const PERFECT: &str = "perfectly specular";
@@ -27,11 +32,6 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
     let constant = |t: &FloatTexture, otherwise| {
         if let FloatTexture::Constant(x) = t { Ok(written(*x)) } else { Err(otherwise) }
     };
-    let facets = |d: &Distribution| match d {
-        Distribution::Beckmann => brdf::Distribution::Beckmann,
-        Distribution::Ggx => brdf::Distribution::Ggx,
-    };
-    let rgb = |c: &Rgb| c.to_array().map(|x| written(x).max(MIN_INDEX));
     let mut outside = NO_TABLE;
     let specular = match material {
         Material::Phong { exponent, .. } => {
@@ -46,29 +46,20 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
             },
         }),
         Material::Lobe { model, .. } => *model,
-        Material::RoughConductor { distribution, alpha_u, alpha_v, eta, k, .. } => {
-            let (alpha_x, alpha_y) = (constant(alpha_u, ROUGHNESS)?, constant(alpha_v, ROUGHNESS)?);
-            let (ColorTexture::Constant(eta), ColorTexture::Constant(k)) = (eta, k) else {
-                return Err("its index comes from a texture");
-            };
-            let fresnel =
-                if *eta == Rgb::ZERO { Fresnel::None } else { Fresnel::Conductor { eta: rgb(eta), k: rgb(k) } };
-            Specular::Microfacet(Microfacet { distribution: facets(distribution), alpha_x, alpha_y, fresnel })
+        Material::RoughConductor { alpha_u, alpha_v, .. } => {
+            let widths = [constant(alpha_u, ROUGHNESS)?, constant(alpha_v, ROUGHNESS)?];
+            facets(material, widths).ok_or("its index comes from a texture")?
         }
         // A dielectric is a conductor that does not absorb.
         Material::RoughPlastic { distribution, alpha, eta, .. } => Specular::Microfacet(Microfacet {
-            distribution: facets(distribution),
+            distribution: of_facets(*distribution),
             alpha_x: written(*alpha),
             alpha_y: written(*alpha),
             fresnel: Fresnel::Conductor { eta: [written(*eta); 3], k: [MIN_INDEX; 3] },
         }),
-        // A table of one Schlick term serves all; this one has the rules that do best for metals and plastics alike.
         Material::MetallicRoughness { roughness, .. } => {
             outside = "nearly a mirror";
-            let alpha = constant(roughness, ROUGHNESS)?.clamp(0.0, 1.0).powi(2);
-            let distribution = brdf::Distribution::Ggx;
-            let fresnel = Fresnel::Schlick { f0: [0.04; 3] };
-            Specular::Microfacet(Microfacet { distribution, alpha_x: alpha, alpha_y: alpha, fresnel })
+            facets(material, [constant(roughness, ROUGHNESS)?.clamp(0.0, 1.0).powi(2); 2]).ok_or(NO_TABLE)?
         }
         Material::Conductor { .. } | Material::Dielectric { .. } => return Err(PERFECT),
         Material::ThinDielectric { .. } | Material::Plastic { .. } => return Err(PERFECT),
@@ -79,6 +70,30 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
         Material::Blend { .. } | Material::Coat { .. } => return Err(OTHERS),
     };
     Recipe::specular(specular).validate().map(|()| specular).map_err(|_| outside)
+}
+
+/// The facets of a rough metal, or of glTF's material, of these roughnesses; `None` where a texture gives the index.
+///
+/// A table of one Schlick term serves all; that of a plastic has the rules that do best for metals and plastics alike.
+pub(super) fn facets(material: &Material, [alpha_x, alpha_y]: [f64; 2]) -> Option<Specular> {
+    let (distribution, fresnel) = match material {
+        Material::RoughConductor { distribution, eta, k, .. } => {
+            let (ColorTexture::Constant(eta), ColorTexture::Constant(k)) = (eta, k) else { return None };
+            let rgb = |c: &Rgb| c.to_array().map(|x| written(x).max(MIN_INDEX));
+            let conductor = Fresnel::Conductor { eta: rgb(eta), k: rgb(k) };
+            (of_facets(*distribution), if *eta == Rgb::ZERO { Fresnel::None } else { conductor })
+        }
+        Material::MetallicRoughness { .. } => (brdf::Distribution::Ggx, Fresnel::Schlick { f0: [0.04; 3] }),
+        _ => return None,
+    };
+    Some(Specular::Microfacet(Microfacet { distribution, alpha_x, alpha_y, fresnel }))
+}
+
+fn of_facets(distribution: Distribution) -> brdf::Distribution {
+    match distribution {
+        Distribution::Beckmann => brdf::Distribution::Beckmann,
+        Distribution::Ggx => brdf::Distribution::Ggx,
+    }
 }
 
 /// Of those that wrap others, the others tell.

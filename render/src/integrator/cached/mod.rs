@@ -3,8 +3,10 @@
 mod budget;
 mod build;
 mod caches;
+mod components;
 mod diffuse;
 pub mod file;
+mod grades;
 mod incident;
 mod irradiance;
 mod kind;

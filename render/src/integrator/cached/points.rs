@@ -1,6 +1,7 @@
 //! The surfaces that pixels show: where records are made and read.
 
-use crate::bsdf::Bsdf;
+use super::policy::{Finish, Policy};
+use crate::bsdf::{Bsdf, Component, Sample};
 use crate::camera::RayGenerator;
 use crate::frame::Frame;
 use crate::hemisphere::View;
@@ -21,6 +22,10 @@ pub struct Point {
     pub frame: Frame,
     /// Material behind all wrappers.
     pub material: MaterialId,
+    /// The index of a component, where the surface has some that are treated apart; 0 where it is taken as one.
+    pub component: u8,
+    /// How it is treated there.
+    pub finish: Finish,
     /// Width of a pixel there, in the unit of the scene: it grows with the length of the path, through mirrors too.
     pub footprint: f32,
     /// Segments from the eye.
@@ -35,9 +40,45 @@ impl Point {
         self.at.shading_normal * 1f32.copysign(self.at.shading_normal.dot(self.frame.normal()))
     }
 
+    /// How it scatters.
+    pub fn bsdf<'a>(&self, world: &'a World) -> Bsdf<'a> {
+        if self.component == 0 { world.bsdf(&self.at) } else { world.component(&self.at, self.component) }
+    }
+
+    /// A component of it.
+    pub(super) fn of(&self, component: &Component, finish: Finish) -> Self {
+        let Component { index, weight, bsdf } = component;
+        let (frame, material) = (*bsdf.frame(), bsdf.material());
+        Self { frame, material, component: *index, finish, throughput: self.throughput * *weight, ..*self }
+    }
+
     /// How the eye sees it.
     pub fn view(&self) -> View {
         View { normal: self.frame.normal(), wo: self.at.wo }
+    }
+}
+
+/// A path from the eye through perfectly specular surfaces.
+pub struct Walk {
+    ray: Ray,
+    throughput: Rgb,
+    length: f32,
+    media: Media,
+    segments: u32,
+}
+
+impl Walk {
+    /// Before its first segment.
+    pub fn new(ray: Ray) -> Self {
+        Self { ray, throughput: Rgb::ONE, length: 0.0, media: Media::NONE, segments: 0 }
+    }
+
+    /// Goes on from a surface, `factor` times as much light; whether there is any.
+    pub fn go_on(&mut self, world: &World, at: &Interaction, bsdf: &Bsdf, sample: &Sample, factor: f32) -> bool {
+        self.throughput *= sample.weight.sum() * factor;
+        self.media.pass(world, at, bsdf, sample.wi);
+        self.ray = at.spawn(sample.wi);
+        self.throughput.max_element() > 0.0
     }
 }
 
@@ -52,42 +93,51 @@ pub enum Seen<'a> {
     Ended,
 }
 
-/// Follows a camera ray through perfectly specular surfaces. `emitted` is called with every surface on the way that shines,
-/// the last included, with the throughput and the number of segments.
+/// Follows a path through perfectly specular surfaces. `emitted` is called with every surface on the way that shines, the last
+/// included, with the throughput and the number of segments.
 #[inline(always)]
 pub fn see<'a>(
-    world: &'a World,
+    (world, policy): (&'a World, &Policy),
     camera: &PixelCone,
-    ray: Ray,
+    walk: &mut Walk,
     sampler: &mut Sampler,
     max_segments: u32,
     queries: &mut Queries,
     mut emitted: impl FnMut(&Interaction, Rgb, u32),
 ) -> Seen<'a> {
-    let (mut ray, mut throughput, mut length, mut media) = (ray, Rgb::ONE, 0.0, Media::NONE);
-    for segments in 1..=max_segments {
-        let hit = queries.intersect(world, &ray);
+    while walk.segments < max_segments {
+        walk.segments += 1;
+        let segments = walk.segments;
+        let hit = queries.intersect(world, &walk.ray);
         if !hit.exists() {
-            return Seen::Nothing { direction: ray.direction, throughput, segments };
+            return Seen::Nothing { direction: walk.ray.direction, throughput: walk.throughput, segments };
         }
-        let at = world.interaction(&ray, &hit);
-        length += hit.t;
-        emitted(&at, throughput * media.left(at.distance), segments);
+        let at = world.interaction(&walk.ray, &hit);
+        walk.length += hit.t;
+        emitted(&at, walk.throughput * walk.media.left(at.distance), segments);
+        if let Some((component, finish)) = policy.main_component(world, &at) {
+            let bsdf = component.bsdf;
+            let throughput = walk.throughput * walk.media.left_before(world, &at, &bsdf);
+            walk.throughput = throughput;
+            let (frame, material, footprint) = (*bsdf.frame(), bsdf.material(), camera.width_at(walk.length));
+            let component = component.index;
+            let point = Point { at, frame, material, component, finish, footprint, segments, throughput };
+            return Seen::Surface { point, bsdf };
+        }
         let bsdf = world.bsdf(&at);
-        throughput *= media.left_before(world, &at, &bsdf);
+        walk.throughput *= walk.media.left_before(world, &at, &bsdf);
         if !bsdf.is_delta() {
-            let footprint = camera.width_at(length);
-            let (frame, material) = (*bsdf.frame(), bsdf.material());
-            return Seen::Surface { point: Point { at, frame, material, footprint, segments, throughput }, bsdf };
+            let footprint = camera.width_at(walk.length);
+            let (frame, material, throughput) = (*bsdf.frame(), bsdf.material(), walk.throughput);
+            let finish = policy.finish(&world.scene, material, &at.coordinates);
+            let point = Point { at, frame, material, component: 0, finish, footprint, segments, throughput };
+            return Seen::Surface { point, bsdf };
         }
         let choice = sampler.next_2d();
         let Some(sample) = bsdf.sample(choice.y, sampler.next_2d()) else { return Seen::Ended };
-        throughput *= sample.weight.sum();
-        media.pass(world, &at, &bsdf, sample.wi);
-        if throughput.max_element() <= 0.0 {
+        if !walk.go_on(world, &at, &bsdf, &sample, 1.0) {
             return Seen::Ended;
         }
-        ray = at.spawn(sample.wi);
     }
     Seen::Ended
 }
@@ -121,6 +171,7 @@ impl PixelCone {
 /// What the middle of every pixel shows, found where it is asked for.
 pub(super) struct Sight<'a> {
     world: &'a World,
+    policy: &'a Policy,
     generator: RayGenerator,
     window: Crop,
     seed: u64,
@@ -131,31 +182,34 @@ pub(super) struct Sight<'a> {
 
 impl<'a> Sight<'a> {
     /// Through the camera of a world.
-    pub fn new(world: &'a World, seed: u64, max: u32) -> Self {
+    pub fn new(world: &'a World, policy: &'a Policy, seed: u64, max: u32) -> Self {
         let camera = &world.scene.camera;
         let window = camera.film.window();
         let count = window.width as usize * window.height as usize;
         let points = (0..count).map(|_| OnceLock::new()).collect();
-        Self { world, generator: RayGenerator::new(camera), window, seed, max, points }
+        Self { world, policy, generator: RayGenerator::new(camera), window, seed, max, points }
     }
 
     /// What the pixel of an index, row by row, shows.
     pub fn at(&self, i: usize) -> Option<&Point> {
-        let Self { world, generator, window, seed, max, points } = self;
+        let Self { window, points, .. } = self;
         let pixel = || {
             let at = (window.x + i as u32 % window.width, window.y + i as u32 / window.width);
-            pixel_point(world, generator, at, *seed, *max).map(Box::new)
+            self.pixel_point(at).map(Box::new)
         };
         points[i].get_or_init(pixel).as_deref()
     }
-}
 
-/// What the middle of a pixel shows; choices on the way (reflection or refraction) are the sampler's first ones.
-fn pixel_point(world: &World, generator: &RayGenerator, pixel: (u32, u32), seed: u64, max: u32) -> Option<Point> {
-    let mut sampler = Sampler::new(seed, pixel, 0);
-    let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
-    match see(world, &PixelCone::new(world), ray, &mut sampler, max, &mut Queries::default(), |_, _, _| ()) {
-        Seen::Surface { point, .. } => Some(point),
-        Seen::Nothing { .. } | Seen::Ended => None,
+    /// The same without a memory; choices on the way (reflection or refraction) are the sampler's first ones.
+    fn pixel_point(&self, pixel: (u32, u32)) -> Option<Point> {
+        let Self { world, policy, generator, seed, max, .. } = self;
+        let mut sampler = Sampler::new(*seed, pixel, 0);
+        let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
+        let cone = PixelCone::new(world);
+        let mut walk = Walk::new(ray);
+        match see((world, policy), &cone, &mut walk, &mut sampler, *max, &mut Queries::default(), |_, _, _| ()) {
+            Seen::Surface { point, .. } => Some(point),
+            Seen::Nothing { .. } | Seen::Ended => None,
+        }
     }
 }

@@ -85,7 +85,7 @@ impl Builder<'_> {
             ProbeError::NoTable(x, y, name, reason)
         };
         let eas = &self.policy.kinds.eas;
-        let held = match self.treatment(point) {
+        let held = match self.policy.maker(point.finish) {
             Treatment::Glossy(glossy) => {
                 Eas::held(glossy).ok_or_else(|| no_table("the policy holds it with records of another kind"))?
             }

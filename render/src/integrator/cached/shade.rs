@@ -6,8 +6,8 @@ use super::diffuse::interpolated;
 use super::incident::{IncidentTracer, sample_light};
 use super::kind::{Found, Shaded};
 use super::kinds::{Listed, Scratches, WithKind};
-use super::points::{PixelCone, Point, Seen, see};
-use super::policy::{Policy, Treatment};
+use super::points::{PixelCone, Point, Seen, Walk, see};
+use super::policy::{LobeWidth, Policy, Treatment};
 use super::settings::Quality;
 use super::surface::{Grouping, Surface};
 use crate::bsdf::{Bsdf, Split};
@@ -21,7 +21,7 @@ use crate::ray::Ray;
 use crate::record::Receiver;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
-use crate::world::{Queries, World};
+use crate::world::{Interaction, Queries, World};
 use core::ops::{AddAssign, Range};
 use glam::{Vec2, Vec3A};
 
@@ -94,8 +94,8 @@ impl AddAssign for Indirect {
 }
 
 impl Shader<'_> {
-    /// Direct light of one camera ray; notes the surface it ends on in `surfaces`, for [`Shader::indirect`]. Where a pixel shows
-    /// too many of them, the indirect light of this one too.
+    /// Direct light of one camera ray; notes the surfaces it ends on in `surfaces`, for [`Shader::indirect`]. Where a pixel shows
+    /// too many of them, their indirect light too.
     #[inline(always)]
     pub fn direct(
         &self,
@@ -105,31 +105,26 @@ impl Shader<'_> {
         scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Radiance {
-        let (world, settings) = (self.world, &self.world.scene.integrator);
         let mut out = Radiance::default();
+        let mut walk = Walk::new(ray);
         let (mut emitted, mut through_mirrors) = (Rgb::ZERO, Rgb::ZERO);
-        let seen = see(world, &self.cone, ray, sampler, settings.max_depth, queries, |at, throughput, segments| {
-            let light = emission(world, &world.lights, at, None).0 * throughput;
-            guides::show(&mut out, at, &world.bsdf(at), throughput);
-            match segments {
-                1 => {
+        let seen = self.seen(&mut walk, sampler, queries, (&mut emitted, &mut through_mirrors), |shown| match shown {
+            Shown::Surface { at, throughput, segments } => {
+                guides::show(&mut out, at, &self.world.bsdf(at), throughput);
+                if segments == 1 {
                     out.distance = (at.p - ray.origin).length();
-                    if !settings.hide_emitters {
-                        emitted += light;
-                    }
                 }
-                _ => through_mirrors += light,
             }
+            Shown::Light(light) => guides::show_light(&mut out, light),
         });
-        if let Seen::Nothing { direction, throughput, segments } = seen {
-            let light = environment(&world.lights, direction, None).0 * throughput;
-            match segments {
-                1 if settings.hide_emitters || settings.hide_environment => (),
-                1 => emitted += light,
-                _ => {
-                    through_mirrors += light;
-                    guides::show_light(&mut out, light);
-                }
+        if let Some((point, bsdf)) = seen {
+            let mut ended = Ended { out: &mut out, sampler, surfaces, scratch, queries, closeness: 0.0 };
+            if point.component == 0 {
+                let sample = ended.sampler.next_4x2d(&mut ended.queries.scrambles);
+                self.light(&point, &bsdf, sample, &mut ended);
+                self.scattered(&point, &bsdf, sample, &mut ended);
+            } else {
+                through_mirrors += self.all_components(point, walk, &mut ended);
             }
         }
         // One mirror on the way makes emission direct light, more make it indirect: Mitsuba counts segments.
@@ -137,43 +132,91 @@ impl Shader<'_> {
             out.emission = emitted;
             out.direct.glossy += through_mirrors;
         }
-        let Seen::Surface { point, bsdf } = seen else { return out };
-        if point.segments >= settings.max_depth {
-            return out;
-        }
-        let [choice, on_light, scattering, _] = sampler.next_4x2d(&mut queries.scrambles);
-        let counts = !self.indirect_only || point.segments > 1;
-        let mut closeness = 0.0;
-        if counts {
-            // Records hold a part of the lights already.
-            let treatment = self.policy.treatment(point.material.0);
-            let lights = if treatment == Treatment::Traced { &world.lights } else { &self.split.rest };
-            let mut direct = sample_light(world, lights, &point.at, &bsdf, false, choice.x, on_light, queries);
-            let (scattered, closer) = self.emitters_by_bsdf(lights, &point, &bsdf, choice.y, scattering, queries);
-            direct = direct + scattered;
-            closeness = closer;
-            let direct = direct * point.throughput;
-            if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
-        }
-        match self.policy.treatment(point.material.0) {
-            Treatment::Traced => {
-                out.indirect = out.indirect + self.traced(&point, &bsdf, None, choice.y, scattering, sampler, queries)
-            }
-            treatment => {
-                let width = match treatment {
-                    Treatment::Glossy(glossy) => Some(glossy.with(&self.policy.kinds, LobeWidth)),
-                    Treatment::Irradiance | Treatment::Traced => None,
-                };
-                let sample = Surface::new(&point, &bsdf, closeness);
-                if let Some(alone) = sample.and_then(|sample| self.grouping.note(sample, width, surfaces))
-                    && self.has_indirect(&alone)
-                {
-                    let one_path = |_: f32| (1, |_: u32| *sampler);
-                    out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries).light;
-                }
-            }
-        }
         out
+    }
+
+    /// The surface that ends a walk, if any whose light counts. Adds what shines on the way: seen at once, and through mirrors.
+    #[inline(always)]
+    pub(super) fn seen(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut Sampler,
+        queries: &mut Queries,
+        (emitted, through_mirrors): (&mut Rgb, &mut Rgb),
+        mut show: impl FnMut(Shown),
+    ) -> Option<(Point, Bsdf<'_>)> {
+        let (world, settings) = (self.world, &self.world.scene.integrator);
+        let from = (world, self.policy);
+        let seen = see(from, &self.cone, walk, sampler, settings.max_depth, queries, |at, throughput, segments| {
+            let light = emission(world, &world.lights, at, None).0 * throughput;
+            show(Shown::Surface { at, throughput, segments });
+            match segments {
+                1 if settings.hide_emitters => (),
+                1 => *emitted += light,
+                _ => *through_mirrors += light,
+            }
+        });
+        match seen {
+            Seen::Nothing { direction, throughput, segments } => {
+                let light = environment(&world.lights, direction, None).0 * throughput;
+                match segments {
+                    1 if settings.hide_emitters || settings.hide_environment => (),
+                    1 => *emitted += light,
+                    _ => {
+                        *through_mirrors += light;
+                        show(Shown::Light(light));
+                    }
+                }
+                None
+            }
+            Seen::Surface { point, bsdf } => (point.segments < settings.max_depth).then_some((point, bsdf)),
+            Seen::Ended => None,
+        }
+    }
+
+    /// Adds the light that comes to a surface straight from emitters.
+    #[inline(always)]
+    pub(super) fn light(
+        &self,
+        point: &Point,
+        bsdf: &Bsdf,
+        [choice, on_light, scattering, _]: Samples,
+        ended: &mut Ended,
+    ) {
+        if self.indirect_only && point.segments == 1 {
+            return;
+        }
+        // Records hold a part of the lights already.
+        let treatment = self.policy.treatment(point.finish);
+        let lights = if treatment == Treatment::Traced { &self.world.lights } else { &self.split.rest };
+        let Ended { out, queries, closeness, .. } = ended;
+        let mut direct = sample_light(self.world, lights, &point.at, bsdf, false, choice.x, on_light, queries);
+        let (scattered, closer) = self.emitters_by_bsdf(lights, point, bsdf, choice.y, scattering, queries);
+        direct = direct + scattered;
+        *closeness = closer;
+        let direct = direct * point.throughput;
+        if point.segments == 1 { out.direct = out.direct + direct } else { out.indirect.glossy += direct.sum() }
+    }
+
+    /// Adds a path from a surface that is traced; notes any other for its records.
+    #[inline(always)]
+    pub(super) fn scattered(&self, point: &Point, bsdf: &Bsdf, [choice, _, scattering, _]: Samples, ended: &mut Ended) {
+        let Ended { out, sampler, surfaces, scratch, queries, closeness } = ended;
+        let width = match self.policy.treatment(point.finish) {
+            Treatment::Traced => {
+                out.indirect = out.indirect + self.traced(point, bsdf, None, choice.y, scattering, sampler, queries);
+                return;
+            }
+            Treatment::Glossy(glossy) => Some(glossy.with(&self.policy.kinds, LobeWidth)),
+            Treatment::Irradiance => None,
+        };
+        let sample = Surface::new(point, bsdf, *closeness);
+        if let Some(alone) = sample.and_then(|sample| self.grouping.note(sample, width, surfaces))
+            && self.has_indirect(&alone)
+        {
+            let one_path = |_: f32| (1, |_: u32| **sampler);
+            out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries).light;
+        }
     }
 
     /// Emitters that a direction of the BSDF meets, and one over the distance of what it meets.
@@ -202,7 +245,7 @@ impl Shader<'_> {
     /// Indirect light by one path, and what of the environment was left to the records.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn traced(
+    pub(super) fn traced(
         &self,
         point: &Point,
         bsdf: &Bsdf,
@@ -241,7 +284,9 @@ impl Shader<'_> {
     ) -> Indirect {
         let mut sum = Indirect::default();
         for s in surfaces.iter().filter(|s| self.has_indirect(s)) {
-            let paths = |doubt: f32| (s.samples.max(MIN_TRACED).max(DOUBTED * doubt) as u32, samplers);
+            // Noise of what a faint mirror shows, or of a component of little weight, is faint too.
+            let share = s.point.throughput.max_element().clamp(0.0, 1.0);
+            let paths = |doubt: f32| (s.samples.max(share * MIN_TRACED.max(DOUBTED * doubt)) as u32, samplers);
             sum += self.surface(s, &paths, scratch, queries);
         }
         sum
@@ -265,7 +310,7 @@ impl Shader<'_> {
         let position = s.position / s.samples;
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
-        let Found { light: cached, traced, doubt } = match self.policy.treatment(s.point.material.0) {
+        let Found { light: cached, traced, doubt } = match self.policy.treatment(s.finish()) {
             Treatment::Irradiance => {
                 let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
                 let light =
@@ -276,7 +321,7 @@ impl Shader<'_> {
             Treatment::Glossy(glossy) => {
                 let frame = turned(&s.point, normal);
                 let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                let surface = Shaded { at, hemisphere, material: s.point.material.0, parts: &s.parts };
+                let surface = Shaded { at, hemisphere, finish: s.point.finish, parts: &s.parts };
                 glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
             }
             Treatment::Traced => Found::NOTHING,
@@ -285,7 +330,7 @@ impl Shader<'_> {
             Some(_) if traced == 0.0 => (Split::ZERO, Rgb::ZERO),
             // Nothing reaches here: trace instead.
             _ => {
-                let bsdf = self.world.bsdf(&s.point.at);
+                let bsdf = s.point.bsdf(self.world);
                 let (count, samplers) = paths(doubt);
                 let held = self.split.held.as_ref();
                 let mut sum = |range: Range<u32>| {
@@ -312,16 +357,26 @@ impl Shader<'_> {
     }
 }
 
-/// Width of the lobe of a material.
-struct LobeWidth;
+/// Sample points for the light of a surface: choices, a light, a direction, and what is left.
+pub(super) type Samples = [Vec2; 4];
 
-impl WithKind for LobeWidth {
-    type Out = f32;
+/// What a walk shows on its way.
+pub(super) enum Shown<'a> {
+    /// A surface, through mirrors of this colour.
+    Surface { at: &'a Interaction, throughput: Rgb, segments: u32 },
+    /// Light of infinity in a mirror.
+    Light(Rgb),
+}
 
-    #[inline(always)]
-    fn run<K: Listed>(self, kind: &K, held: K::Held) -> f32 {
-        kind.lobe_width(held)
-    }
+/// What a path from the eye adds to.
+pub(super) struct Ended<'a> {
+    pub out: &'a mut Radiance,
+    pub sampler: &'a mut Sampler,
+    pub surfaces: &'a mut Vec<Surface>,
+    pub scratch: &'a mut Scratches,
+    pub queries: &'a mut Queries,
+    /// One over the distance of what the last ray met that looked for emitters.
+    pub closeness: f32,
 }
 
 /// What the records of its kind reflect at a surface.

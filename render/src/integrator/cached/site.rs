@@ -62,12 +62,12 @@ impl<'a> Site<'a> {
 
     /// Zone of a record in this frame, without radius.
     pub fn zone(&self, frame: &Frame) -> Zone {
-        Zone::at(self.point.at.p, frame, self.point.material.0)
+        Zone::at(self.point.at.p, frame, self.point.finish.class)
     }
 
     /// Colours of the material; `None` for a model without separate parts.
     pub fn parts(&self) -> Option<Parts> {
-        self.world.bsdf(&self.point.at).parts()
+        self.point.bsdf(self.world).parts()
     }
 
     /// Gathers light with sample points of their own, told apart by `salt`.

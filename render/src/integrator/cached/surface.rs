@@ -1,6 +1,7 @@
 //! The surfaces of a pixel: samples that show the same one are shaded together.
 
 use super::points::Point;
+use super::policy::Finish;
 use crate::bsdf::{Bsdf, Parts};
 use glam::Vec3A;
 
@@ -33,6 +34,8 @@ pub struct Surface {
     pub(super) parts: Parts,
     /// One over the distance of what its scattered rays met.
     pub(super) closeness: f32,
+    /// Of the numbers of treatments, which ascend with the width of the lobe where a texture gives it.
+    treatments: f32,
 }
 
 impl Surface {
@@ -47,7 +50,13 @@ impl Surface {
             wo: point.at.wo,
             parts: parts * point.throughput,
             closeness,
+            treatments: point.finish.treatment as f32,
         })
+    }
+
+    /// How it is treated, with the mean lobe of its samples.
+    pub(super) fn finish(&self) -> Finish {
+        self.point.finish.with((self.treatments / self.samples).round() as u32)
     }
 
     /// Samples of the pixel that show it.
@@ -65,6 +74,7 @@ impl Surface {
     fn is(&self, other: &Self, views: f32) -> bool {
         let (a, b) = (&self.point, &other.point);
         a.material == b.material
+            && (a.component, a.finish.class) == (b.component, b.finish.class)
             && a.segments == b.segments
             && a.frame.normal().dot(other.normal) > SAME_NORMAL
             && a.at.wo.dot(b.at.wo) > views
@@ -78,6 +88,7 @@ impl Surface {
         self.wo += other.wo;
         self.parts += other.parts;
         self.closeness += other.closeness;
+        self.treatments += other.treatments;
     }
 }
 

@@ -92,6 +92,12 @@ impl Texels {
         }
     }
 
+    /// Smallest and largest first channel of all texels; 0 without any.
+    pub fn bounds(&self) -> [f32; 2] {
+        let first = (0..self.len()).map(|i| self.get(i).x);
+        first.map(|x| [x, x]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
+    }
+
     /// Whether every texel is.
     pub fn is_finite(&self) -> bool {
         match self {

@@ -39,23 +39,27 @@ const MAX_BYTES: u64 = 4 << 30;
 
 /// What a cache file is made for. It takes time to find out: the checksums go over the whole scene.
 #[derive(Clone, Debug)]
-pub struct Key(Header);
+pub struct Key {
+    header: Header,
+    /// Classes of records that there may be.
+    classes: u32,
+}
 
 impl Key {
     /// Of a rendering.
     pub fn new(world: &World, policy: &Policy, settings: &Settings, tolerance: f32) -> Self {
-        Self(Header::new(world, policy, settings, tolerance))
+        Self { header: Header::new(world, policy, settings, tolerance), classes: policy.classes() }
     }
 
     /// The same for another τ.
     pub fn at(&self, tolerance: f32) -> Self {
-        Self(self.0.at(tolerance))
+        Self { header: self.header.at(tolerance), ..*self }
     }
 
     /// Tells whether anything but the camera is the same.
     pub fn checksum(&self) -> Result<u64, CacheFileError> {
         let mut hash = Hash::default();
-        hash.bytes(&self.0.without_camera().encoded()?);
+        hash.bytes(&self.header.without_camera().encoded()?);
         Ok(hash.finish())
     }
 
@@ -64,7 +68,7 @@ impl Key {
     /// # Errors
     /// A place that cannot be written.
     pub fn save(&self, path: &Path, caches: &Caches) -> Result<(), CacheFileError> {
-        Ok(output::write(path, &to_bytes(&self.0, caches)?)?)
+        Ok(output::write(path, &to_bytes(&self.header, caches)?)?)
     }
 
     /// Reads caches that fit the scene, its materials and tables. Allocates no more than a small multiple of the file.
@@ -77,11 +81,11 @@ impl Key {
 
     fn read(&self, bytes: &[u8], world: &World) -> Result<Loaded, CacheFileError> {
         let (found, mut reader) = open(bytes)?;
-        found.check(&self.0)?;
-        reader.materials = world.scene.materials.len() as u32;
+        found.check(&self.header)?;
+        reader.materials = self.classes;
         let (min, max) = world.bounds();
         let caches = records(&found, reader, Caches::new(min, max))?;
-        Ok(Loaded { caches, complete: found.is_complete(&self.0), alike: found.is_alike(&self.0) })
+        Ok(Loaded { caches, complete: found.is_complete(&self.header), alike: found.is_alike(&self.header) })
     }
 }
 

@@ -5,7 +5,7 @@ use super::error::CacheFileError;
 /// What is left of a file.
 pub struct Reader<'a> {
     pub(super) bytes: &'a [u8],
-    /// Materials of the scene.
+    /// Materials of the scene, and what stands for one.
     pub(super) materials: u32,
 }
 

@@ -103,7 +103,7 @@ impl GlossyKind for Ambient {
     fn reflect(&self, (): (), cache: &Cache<AmbientRecord>, at: &Shaded, quality: &Quality, (): &mut ()) -> Found {
         let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
         cache.interpolate(at.at.position, at.hemisphere, quality.weight, |record, w| {
-            if record.zone().material == at.material {
+            if at.finish.reads(record.zone().material) {
                 sum += record.radiance * w;
                 weights += w;
             }

@@ -55,7 +55,7 @@ impl Eas {
         };
         let cut = cut(&tree, &reflector, &directions, &quality.cut);
         let point = site.point();
-        let mut record = EasRecord::new(point.at.p, &frame, point.material.0, &tree, &cut, quality.estimator);
+        let mut record = EasRecord::new(point.at.p, &frame, point.finish.class, &tree, &cut, quality.estimator);
         record.views = seen;
         let policy = RadiusPolicy { max_pixels: reach, ..quality.glossy };
         record.set_radius(self.radius(held, &record, (site, point, &parts), nearest(&samples), policy));

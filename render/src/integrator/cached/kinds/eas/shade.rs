@@ -37,7 +37,7 @@ impl Eas {
         let mirror = at.frame.to_world(Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z));
         // `sum.trust` is the weight of the specular sum.
         cache.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
-            if record.zone().material == surface.material {
+            if surface.finish.reads(record.zone().material) {
                 let part = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
                 let view = w * record.views.trust(mirror, lobe.width);
                 sum.irradiance += part.irradiance * w;
@@ -56,6 +56,9 @@ impl Eas {
             diffuse: parts.diffuse * mean_radiance(sum.irradiance.max(Rgb::ZERO) / weights),
             glossy: sum.specular.max(Rgb::ZERO) / sum.trust.max(f32::MIN_POSITIVE),
         });
-        Found { light, traced: held.traced.max(doubt), doubt }
+        // Where nothing shines, the irradiance is all.
+        let doubt = if parts.is_diffuse() { 0.0 } else { doubt };
+        let traced = if parts.is_diffuse() { 0.0 } else { held.traced.max(doubt) };
+        Found { light, traced, doubt }
     }
 }

@@ -22,7 +22,7 @@ impl Harmonics {
         let policy = RadiusPolicy { max_pixels: reach, ..site.quality().glossy };
         let radius = policy.radius(nearest(&samples), point.footprint);
         let order = order_for(brdf, &frame, &views);
-        let record = HarmonicsRecord::new(point.at.p, &frame, radius, point.material.0, &samples, order, settings);
+        let record = HarmonicsRecord::new(point.at.p, &frame, radius, point.finish.class, &samples, order, settings);
         Some((record, gather.counts))
     }
 }

@@ -45,7 +45,7 @@ impl Harmonics {
         }
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
         cache.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
-            if record.zone().material == surface.material {
+            if surface.finish.reads(record.zone().material) {
                 let part = functions.read(record, at.position);
                 sum.irradiance += part.irradiance * w;
                 sum.specular += part.specular * w;
