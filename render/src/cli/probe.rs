@@ -88,6 +88,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let split = LightSplit::new(&world, false);
     let builder = Builder::new(
         &world,
+        &world.scene.camera,
         &policy,
         split.held.as_ref(),
         Quality::new(args.tau, Estimator::Improved, Spacing::default()),

@@ -140,6 +140,26 @@ impl Film {
             (self.width, self.height, self.crop) = (width, height, None);
         }
     }
+
+    /// The same view in at most so many pixels along its longer side; a part of it grows to whole pixels.
+    pub fn at_most(&self, longest: u32) -> Self {
+        let from = self.width.max(self.height);
+        if from <= longest {
+            return self.clone();
+        }
+        let scale = |x: u32| f64::from(x) * f64::from(longest) / f64::from(from);
+        let size = |x: u32| (scale(x).round() as u32).max(1);
+        let (width, height) = (size(self.width), size(self.height));
+        let part = |start: u32, length: u32, whole: u32| {
+            let first = (scale(start) as u32).min(whole - 1);
+            (first, (scale(start + length).ceil() as u32).clamp(first + 1, whole) - first)
+        };
+        let crop = self.crop.map(|c| {
+            let ((x, width), (y, height)) = (part(c.x, c.width, width), part(c.y, c.height, height));
+            Crop { x, y, width, height }
+        });
+        Self { width, height, crop, ..self.clone() }
+    }
 }
 
 /// A rectangle of pixels inside the film.

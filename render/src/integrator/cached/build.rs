@@ -13,7 +13,7 @@ use crate::cache::{Cache, Density, Filler, Grid, Progress, RadiusPolicy, Shrink,
 use crate::camera::RayGenerator;
 use crate::record::irradiance::IrradianceRecord;
 use crate::record::{Receiver, Record};
-use crate::scene::{Environment, Rgb};
+use crate::scene::{Camera, Environment, Rgb};
 use crate::world::{Counts, World};
 use core::convert::Infallible;
 use glam::Vec3A;
@@ -54,18 +54,20 @@ pub struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Looks through the camera. Records will hold `environment` besides what is reflected.
+    /// Looks through a camera, which may have fewer pixels than that of the picture. Records will hold `environment` besides what is
+    /// reflected.
     pub fn new(
         world: &'a World,
+        camera: &Camera,
         policy: &'a Policy,
         environment: Option<&'a Environment>,
         quality: Quality,
         seed: u64,
     ) -> Self {
-        let generator = RayGenerator::new(&world.scene.camera);
-        let window = world.scene.camera.film.window();
+        let generator = RayGenerator::new(camera);
+        let window = camera.film.window();
         let max = world.scene.integrator.max_depth.min(MAX_CHAIN);
-        let sight = Sight::new(world, policy, seed, max);
+        let sight = Sight::new(world, camera, policy, seed, max);
         let grid = Grid { width: window.width, height: window.height };
         let rim = generator.rim(RIM_VIEWS).collect();
         let (density, refile) = (Density::Every, true);

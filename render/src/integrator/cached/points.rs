@@ -8,7 +8,7 @@ use crate::hemisphere::View;
 use crate::integrator::media::Media;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
-use crate::scene::{Crop, MaterialId, Projection, Rgb};
+use crate::scene::{Camera, Crop, MaterialId, Projection, Rgb};
 use crate::world::{Interaction, Queries, World};
 use glam::{Vec2, Vec3A};
 use std::sync::OnceLock;
@@ -152,9 +152,8 @@ pub struct PixelCone {
 }
 
 impl PixelCone {
-    /// That of the camera of a world.
-    pub fn new(world: &World) -> Self {
-        let camera = &world.scene.camera;
+    /// That of a camera.
+    pub fn new(camera: &Camera) -> Self {
         let of_film = 2.0 / camera.film.width.max(1) as f32;
         match camera.projection {
             Projection::Perspective { fov_x } => Self { start: 0.0, tangent: of_film * (0.5 * fov_x).tan() },
@@ -173,6 +172,7 @@ pub(super) struct Sight<'a> {
     world: &'a World,
     policy: &'a Policy,
     generator: RayGenerator,
+    cone: PixelCone,
     window: Crop,
     seed: u64,
     /// Mirrors in a row that are looked through.
@@ -181,13 +181,13 @@ pub(super) struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    /// Through the camera of a world.
-    pub fn new(world: &'a World, policy: &'a Policy, seed: u64, max: u32) -> Self {
-        let camera = &world.scene.camera;
+    /// Through a camera.
+    pub fn new(world: &'a World, camera: &Camera, policy: &'a Policy, seed: u64, max: u32) -> Self {
         let window = camera.film.window();
         let count = window.width as usize * window.height as usize;
         let points = (0..count).map(|_| OnceLock::new()).collect();
-        Self { world, policy, generator: RayGenerator::new(camera), window, seed, max, points }
+        let (generator, cone) = (RayGenerator::new(camera), PixelCone::new(camera));
+        Self { world, policy, generator, cone, window, seed, max, points }
     }
 
     /// What the pixel of an index, row by row, shows.
@@ -202,12 +202,11 @@ impl<'a> Sight<'a> {
 
     /// The same without a memory; choices on the way (reflection or refraction) are the sampler's first ones.
     fn pixel_point(&self, pixel: (u32, u32)) -> Option<Point> {
-        let Self { world, policy, generator, seed, max, .. } = self;
+        let Self { world, policy, generator, cone, seed, max, .. } = self;
         let mut sampler = Sampler::new(*seed, pixel, 0);
         let ray = generator.ray(pixel.0, pixel.1, Vec2::splat(0.5));
-        let cone = PixelCone::new(world);
         let mut walk = Walk::new(ray);
-        match see((world, policy), &cone, &mut walk, &mut sampler, *max, &mut Queries::default(), |_, _, _| ()) {
+        match see((world, policy), cone, &mut walk, &mut sampler, *max, &mut Queries::default(), |_, _, _| ()) {
             Seen::Surface { point, .. } => Some(point),
             Seen::Nothing { .. } | Seen::Ended => None,
         }

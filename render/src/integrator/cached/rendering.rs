@@ -11,8 +11,13 @@ use super::shade::{LightSplit, Shader};
 use super::surface::Grouping;
 use crate::cache::Density;
 use crate::picture::{Budget, Picture};
+use crate::scene::Camera;
 use crate::world::World;
 use std::time::Instant;
+
+/// Pixels along the longer side of the film that a fill looks at, at most: bounds of records are in pixels, and light has no more detail
+/// in a larger picture. What lies between is traced where no record reaches.
+const FILL_PIXELS: u32 = 512;
 
 /// How the pictures of one world are rendered, whatever camera it has when they are.
 #[derive(Clone, Debug)]
@@ -73,12 +78,18 @@ impl<'a> Rendering<'a> {
     /// Share of the pixels of the camera of the world that need a record which is not there.
     pub fn holes(&self, world: &World, tolerance: f32, caches: &Caches) -> f64 {
         let window = world.scene.camera.film.window();
-        let holes = self.builder(world, tolerance, self.settings.seed).holes(caches);
+        let holes = self.builder_through(world, &world.scene.camera, tolerance, self.settings.seed).holes(caches);
         holes as f64 / (f64::from(window.width) * f64::from(window.height)).max(1.0)
     }
 
     fn builder<'w>(&'w self, world: &'w World, tolerance: f32, seed: u64) -> Builder<'w> {
-        Builder::new(world, self.policy, self.split.held.as_ref(), self.quality(tolerance), seed)
+        let camera = &world.scene.camera;
+        let coarse = Camera { film: camera.film.at_most(FILL_PIXELS), ..camera.clone() };
+        self.builder_through(world, &coarse, tolerance, seed)
+    }
+
+    fn builder_through<'w>(&'w self, world: &'w World, camera: &Camera, tolerance: f32, seed: u64) -> Builder<'w> {
+        Builder::new(world, camera, self.policy, self.split.held.as_ref(), self.quality(tolerance), seed)
     }
 
     /// The picture that the camera of the world takes, from caches that were filled for τ, within the budget, which began at
@@ -99,7 +110,7 @@ impl<'a> Rendering<'a> {
             split: &self.split,
             quality: self.quality(tolerance),
             indirect_only: self.settings.indirect_only,
-            cone: PixelCone::new(world),
+            cone: PixelCone::new(&world.scene.camera),
             grouping: Grouping::new(world.scene.camera.lens.is_some()),
         };
         let settings = Settings { budget, seed, ..self.settings };
