@@ -160,6 +160,7 @@ fn what_is_out_of_range_is_refused() {
         "sheen:alpha=0.07",
         "ward:alpha_x=0.1,alpha_y=0.1",
         "ggx:alpha_x=0.1,alpha_y=0.5",
+        "beckmann:alpha_x=0.5,alpha_y=0.1",
         "ggx:alpha_x=0.02,alpha_y=0.01",
     ] {
         assert!(table(&fitter::recipe::material(text).unwrap()).is_some(), "{text}");

@@ -137,6 +137,11 @@ impl RoughCoat<'_> {
         base(self.diffuse, self.table.internal, self.nonlinear, self.eta) * (through * PI)
     }
 
+    /// What the coat does not let pass at this view.
+    pub fn reflectance(&self, wo: Vec3A) -> Rgb {
+        self.specular * (1.0 - self.table.transmittance(wo.z))
+    }
+
     /// Transmittance at the view, and the probability of sampling the reflection.
     #[inline]
     fn choose(&self, wo: Vec3A) -> (f32, f32) {

@@ -1,10 +1,11 @@
-//! The components of a material that is made of others: blends, coats, and a smooth coat with the base below it.
+//! The components of a material that is made of others: blends and coats; and of one of a Lambertian base and a lobe, where
+//! the lobe is too sharp for records.
 //!
 //! [`World::bsdf`] picks one of them by the point, which is right on average. Here all of them are had, with their weights, so
 //! that what is known of each can be summed without noise.
 
-use super::{Bsdf, Mirror, Model, SmoothCoat};
-use crate::scene::{Material, MaterialId, Rgb, Scene};
+use super::{Bsdf, Glossy, Mirror, Model, RoughCoat, SmoothCoat};
+use crate::scene::{ColorTexture, FloatTexture, Material, MaterialId, Rgb, Scene};
 use crate::world::{Interaction, World};
 
 /// Most choices among others that a material may have.
@@ -49,9 +50,14 @@ impl Choices {
 }
 
 impl World {
-    /// Calls `each` with every component of some weight, in order.
+    /// Calls `each` with every component of some weight, in order. A material that `splits` gives its base and the rest.
     #[inline]
-    pub fn components<'a>(&'a self, at: &Interaction, mut each: impl FnMut(Component<'a>)) {
+    pub fn components<'a>(
+        &'a self,
+        at: &Interaction,
+        splits: impl Fn(MaterialId) -> bool,
+        mut each: impl FnMut(Component<'a>),
+    ) {
         let mut choices = Some(Choices::NONE);
         while let Some(lead) = choices {
             let (taken, weight, bsdf) = self.along(at, lead);
@@ -61,11 +67,11 @@ impl World {
                     each(Component { index: taken.0 as u8, weight, bsdf });
                 }
             };
-            match halves(&bsdf) {
+            match halves(&bsdf).filter(|_| splits(bsdf.material)) {
                 Some(halves) => {
-                    let [base, coat] = halves.map(|model| Bsdf { model, ..bsdf });
+                    let [base, rest] = halves.map(|model| Bsdf { model, ..bsdf });
                     give(taken.with(false), base);
-                    give(taken.with(true), coat);
+                    give(taken.with(true), rest);
                 }
                 None => give(taken, bsdf),
             }
@@ -77,7 +83,7 @@ impl World {
     pub fn component(&self, at: &Interaction, index: u8) -> Bsdf<'_> {
         let choices = Choices(u32::from(index));
         let (taken, _, bsdf) = self.along(at, choices);
-        match halves(&bsdf) {
+        match halves(&bsdf).filter(|_| choices.count() > taken.count()) {
             Some(halves) => Bsdf { model: halves[usize::from(choices.get(taken.count()))], ..bsdf },
             None => bsdf,
         }
@@ -97,33 +103,69 @@ impl World {
     }
 }
 
-/// The base of a smooth coat, and what the coat reflects.
+/// The Lambertian base of a model, and what it reflects besides.
 fn halves<'a>(bsdf: &Bsdf<'a>) -> Option<[Model<'a>; 2]> {
-    let Model::SmoothCoat(coat) = bsdf.model else { return None };
-    let mirror = Mirror { eta: Rgb::splat(coat.eta), k: Rgb::ZERO, specular: coat.specular };
-    Some([Model::SmoothCoat(SmoothCoat { specular: Rgb::ZERO, ..coat }), Model::Mirror(mirror)])
+    Some(match bsdf.model {
+        Model::SmoothCoat(coat) => {
+            let mirror = Mirror { eta: Rgb::splat(coat.eta), k: Rgb::ZERO, specular: coat.specular };
+            [Model::SmoothCoat(SmoothCoat { specular: Rgb::ZERO, ..coat }), Model::Mirror(mirror)]
+        }
+        Model::RoughCoat(coat) => {
+            [RoughCoat { specular: Rgb::ZERO, ..coat }, RoughCoat { diffuse: Rgb::ZERO, ..coat }].map(Model::RoughCoat)
+        }
+        Model::Glossy(m) => {
+            [Glossy::new(m.diffuse, Rgb::ZERO, m.lobe), Glossy::new(Rgb::ZERO, m.specular, m.lobe)].map(Model::Glossy)
+        }
+        Model::MetallicRoughness(m) => m.halves().map(Model::MetallicRoughness),
+        _ => return None,
+    })
+}
+
+/// Whether a material has a Lambertian base beside what it reflects besides.
+pub(crate) fn has_base(material: &Material) -> bool {
+    let black = |color: &ColorTexture| matches!(color, ColorTexture::Constant(c) if *c == Rgb::ZERO);
+    match material {
+        Material::Phong { diffuse, .. }
+        | Material::Ward { diffuse, .. }
+        | Material::Lobe { diffuse, .. }
+        | Material::Plastic { diffuse, .. }
+        | Material::RoughPlastic { diffuse, .. } => !black(diffuse),
+        Material::MetallicRoughness { base_color, metallic, .. } => {
+            !black(base_color) && *metallic != FloatTexture::Constant(1.0)
+        }
+        _ => false,
+    }
 }
 
 /// The materials that a material is made of, where it has components that only reflect and not too many choices; `None` of a
 /// material that is but one, whatever wraps it.
-pub(crate) fn components_of(scene: &Scene, id: MaterialId) -> Option<Vec<MaterialId>> {
+pub(crate) fn components_of(
+    scene: &Scene,
+    id: MaterialId,
+    splits: &impl Fn(MaterialId) -> bool,
+) -> Option<Vec<MaterialId>> {
     let mut found = Vec::new();
-    let choices = collect(scene, id, &mut found)?;
+    let choices = collect(scene, id, splits, &mut found)?;
     (1..=MOST_CHOICES).contains(&choices).then_some(found)
 }
 
 /// Adds the materials behind all wrappers; the number of choices before the last of them, `None` where one transmits light.
-fn collect(scene: &Scene, id: MaterialId, found: &mut Vec<MaterialId>) -> Option<u32> {
+fn collect(
+    scene: &Scene,
+    id: MaterialId,
+    splits: &impl Fn(MaterialId) -> bool,
+    found: &mut Vec<MaterialId>,
+) -> Option<u32> {
     let material = scene.materials.get(id.0 as usize)?;
     let own = match material {
-        Material::Blend { .. } | Material::Coat { .. } | Material::Plastic { .. } => 1,
+        Material::Blend { .. } | Material::Coat { .. } => 1,
         Material::Dielectric { .. } | Material::ThinDielectric { .. } => return None,
         Material::RoughDielectric { .. } | Material::Glass { .. } => return None,
-        _ => 0,
+        _ => u32::from(splits(id)),
     };
     let mut below = 0;
     for child in material.children() {
-        below = below.max(collect(scene, child, found)?);
+        below = below.max(collect(scene, child, splits, found)?);
     }
     if material.children().next().is_none() && !found.contains(&id) {
         found.push(id);

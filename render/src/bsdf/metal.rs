@@ -150,6 +150,15 @@ impl MetallicRoughness {
         self.diffuse * (1.0 - self.covering.risen(mean_edge(wo.z)).max_element())
     }
 
+    /// The base below its facets, and the facets.
+    pub fn halves(self) -> [Self; 2] {
+        let (none, ahead) = (Schlick::NONE, Rgb::ZERO);
+        [
+            Self { mixture: none, dielectric: None, ahead, p_diffuse: 1.0, ..self },
+            Self { diffuse: Rgb::ZERO, p_diffuse: 0.0, ..self },
+        ]
+    }
+
     /// What a cache multiplies its light by. All of the reflectance counts as rising by Schlick's formula; what Fresnel's
     /// equations give besides is added as it is in the mean over the facets that this view shows.
     pub fn parts(&self, wo: Vec3A) -> Parts {

@@ -23,7 +23,7 @@ use crate::frame::{Frame, cosine_hemisphere};
 use crate::scene::{MaterialId, Rgb};
 pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
 pub use components::Component;
-pub(crate) use components::components_of;
+pub(crate) use components::{components_of, has_base};
 use core::f32::consts::FRAC_1_PI;
 use core::ops::{Add, AddAssign, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
@@ -32,6 +32,7 @@ use glam::{Vec2, Vec3A};
 pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use layers::FacetTable;
+use layers::schlick_rise;
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
 pub(crate) use sheet::Sheet;
@@ -354,6 +355,19 @@ impl Bsdf<'_> {
                     eta,
                 })
             }
+        }
+    }
+
+    /// Rough estimate of the share of light that is reflected but by a Lambertian part.
+    pub(crate) fn reflectance(&self) -> Rgb {
+        match &self.model {
+            Model::Glossy(m) => m.specular,
+            Model::RoughCoat(m) => m.reflectance(self.wo),
+            Model::MetallicRoughness(m) => {
+                let Parts { specular, grazing, .. } = m.parts(self.wo);
+                specular + (grazing - specular) * schlick_rise(self.wo.z)
+            }
+            _ => self.albedo(),
         }
     }
 

@@ -37,7 +37,7 @@ pub(super) fn render(caching: &Caching, world: &World, stats: &mut Stats) -> Res
 pub(super) fn decide(caching: &Caching, world: &World) -> Result<(Policy, Duration)> {
     let mut tables = Tables::open(&caching.tables)?;
     let deciding = Instant::now();
-    let policy = Policy::new(&world.scene, caching.allowed, |recipe| tables.find(recipe))?;
+    let policy = Policy::with_bases(&world.scene, caching.allowed, caching.bases, |recipe| tables.find(recipe))?;
     let fitting = if policy.is_without_tables() { deciding.elapsed() } else { tables.fitting };
     for note in tables.notes.iter().chain(&policy.notes) {
         eprintln!("render: {note}");

@@ -58,6 +58,8 @@ pub(super) enum Engine {
 /// How caches are used.
 pub(super) struct Caching {
     pub allowed: Allowed,
+    /// Whether the bases below lobes that are traced are held.
+    pub bases: bool,
     pub settings: Settings,
     /// τ that is not left to a budget of time.
     pub tolerance: f32,
@@ -102,7 +104,7 @@ impl Job {
         if let Some(focus) = args.optics.apply(&mut world)? {
             eprintln!("render: focused at {focus}, on what the middle of the picture shows");
         }
-        let engine = Engine::new(args, budget);
+        let engine = Engine::new(args, budget, denoiser.is_some());
         let look = args.looking.look();
         let (seed, indirect_only) = (args.seed, args.indirect_only);
         Ok(Self { world, engine, budget, effort, seed, indirect_only, look, views })
@@ -123,7 +125,7 @@ impl Job {
 }
 
 impl Engine {
-    fn new(args: &Args, budget: Budget) -> Self {
+    fn new(args: &Args, budget: Budget, denoised: bool) -> Self {
         let tolerance = args.tau.unwrap_or(TOLERANCE);
         let Some(mut allowed) = args.method.allowed(tolerance) else { return Self::Traced };
         if let Allowed::Harmonics(settings) = &mut allowed {
@@ -142,7 +144,9 @@ impl Engine {
             indirect_only: args.indirect_only,
         };
         let tables = args.tables.clone().unwrap_or_else(|| "tables".into());
-        Self::Cached(Caching { allowed, settings, tolerance, tables, file: args.cache.clone() })
+        // Half the error without a denoiser, and more of it with one, which takes noise away but no blotches.
+        let bases = allowed != Allowed::Auto || !denoised;
+        Self::Cached(Caching { allowed, bases, settings, tolerance, tables, file: args.cache.clone() })
     }
 }
 

@@ -44,9 +44,10 @@ impl Shader<'_> {
         let [.., pick] = sample;
         let (mut held, mut others) = (0.0, 0.0);
         let (mut lit, mut at) = (None, pick.x);
-        world.components(&point.at, |component| {
+        let splits = |id| self.policy.splits(id);
+        world.components(&point.at, splits, |component| {
             let finish = self.policy.component_finish(&world.scene, &point.at, &component);
-            let Some(finish) = finish.filter(|_| component.bsdf.parts().is_some()) else {
+            let Some(finish) = finish.filter(|_| self.policy.is_held(&component)) else {
                 others += wanted(&component);
                 return;
             };
@@ -64,9 +65,9 @@ impl Shader<'_> {
             self.light(&point.of(&whole, finish), &component.bsdf, sample, ended);
         }
         let (scale, mut place, mut followed) = (1.0 / f32::max(others, 1.0), pick.y, None);
-        world.components(&point.at, |component| {
+        world.components(&point.at, splits, |component| {
             let finish = self.policy.component_finish(&world.scene, &point.at, &component);
-            if finish.is_none_or(|_| component.bsdf.parts().is_none()) {
+            if finish.is_none() || !self.policy.is_held(&component) {
                 let chance = scale * wanted(&component);
                 if (0.0..chance).contains(&place) {
                     followed = Some((component, component.weight / chance));
@@ -95,5 +96,7 @@ impl Shader<'_> {
 /// often bright, so that it is looked at more often than by its share.
 fn wanted(component: &Component) -> f32 {
     let Component { weight, bsdf, .. } = component;
-    if bsdf.is_delta() { (*weight * bsdf.albedo().max_element()).clamp(0.0, 1.0).sqrt() } else { *weight }
+    let share = weight * bsdf.reflectance().max_element();
+    // An estimate that is much too small would make paths that count too much.
+    share.clamp(0.04 * weight, 1.0).sqrt().min(1.0)
 }

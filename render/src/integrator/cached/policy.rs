@@ -6,7 +6,7 @@ pub use super::kinds::{Allowed, Glossy, Kinds};
 use super::kinds::{COUNT, KINDS, Listed, PerKind, WithKind};
 pub use super::materials::specular;
 use super::materials::{is_coated, is_diffuse};
-use crate::bsdf::{Component, components_of};
+use crate::bsdf::{Component, components_of, has_base};
 use crate::scene::{Coordinates, Material, MaterialId, Scene};
 use crate::world::{Interaction, World};
 use brdf_tables::material::Material as Recipe;
@@ -50,6 +50,8 @@ pub struct Policy {
     grades: Vec<Option<Grades>>,
     /// By material that shapes have: the materials of its components and how each is treated, if not as it is on its own.
     components: Vec<Option<Box<[(MaterialId, Option<Finish>)]>>>,
+    /// Whether the base of a material is held without what it reflects besides.
+    splits: Vec<bool>,
     /// One line for each glossy material, for people.
     pub notes: Vec<String>,
 }
@@ -59,15 +61,26 @@ impl Policy {
     ///
     /// # Errors
     /// Those of `table`.
-    pub fn new<E>(
+    pub fn new<E>(scene: &Scene, allowed: Allowed, table: impl FnMut(&Recipe) -> Result<Table, E>) -> Result<Self, E> {
+        Self::with_bases(scene, allowed, true, table)
+    }
+
+    /// [`Policy::new`], which with `bases` holds the Lambertian base of what is too sharp for glossy records; else that is path
+    /// traced whole.
+    ///
+    /// # Errors
+    /// Those of `table`.
+    pub fn with_bases<E>(
         scene: &Scene,
         allowed: Allowed,
+        bases: bool,
         mut table: impl FnMut(&Recipe) -> Result<Table, E>,
     ) -> Result<Self, E> {
         let mut policy = Self::default();
         policy.asked = policy.kinds.ask(&allowed);
         (policy.treatments, policy.makers) = (vec![Treatment::Traced; scene.materials.len()], Vec::new());
         policy.makers.clone_from(&policy.treatments);
+        let mut notes = Vec::new();
         for (i, material) in scene.materials.iter().enumerate() {
             let (grades, treatment, note) = match policy.graded(scene, material, &mut table)? {
                 Some((grades, note)) => (grades, Treatment::Traced, Some(note)),
@@ -76,11 +89,21 @@ impl Policy {
                     (None, treatment, note)
                 }
             };
-            policy.notes.extend(note.map(|note| format!("{}: {note}", name(scene, i))));
+            // Where its lobe is too sharp for glossy records, its base is not.
+            let traced = grades.is_none() && treatment == Treatment::Traced;
+            let glossy = policy.asked.iter().any(|&asked| asked) || is_coated(material);
+            policy.splits.push(bases && traced && glossy && has_base(material));
+            notes.push(note.map(|note| format!("{}: {note}", name(scene, i))));
             (policy.treatments[i], policy.makers[i]) = (treatment, treatment);
             policy.grades.push(grades);
         }
         policy.join(scene);
+        let base = |i: usize| policy.splits[i] && policy.is_component(MaterialId(i as u32));
+        let told = notes
+            .into_iter()
+            .enumerate()
+            .filter_map(|(i, note)| Some(if base(i) { note?.replacen("path traced", BASE, 1) } else { note? }));
+        policy.notes = told.collect();
         Ok(policy)
     }
 
@@ -135,10 +158,6 @@ impl Policy {
         if is_diffuse(material) {
             return Ok((Treatment::Irradiance, None));
         }
-        if is_coated(material) {
-            // It depends on what it is a part of.
-            return Ok((Treatment::Traced, None));
-        }
         let any = self.asked.iter().any(|&asked| asked);
         let only = |specular| if any { Ok(specular) } else { Err("the method caches irradiance only") };
         let specular = match specular(material).and_then(only) {
@@ -165,7 +184,7 @@ impl Policy {
 
     /// Which records the components of materials share.
     fn join(&mut self, scene: &Scene) {
-        let coated = scene.materials.iter().any(is_coated);
+        let coated = self.splits.contains(&true);
         let (treatment, class) = (self.treatments.len() as u32, self.makers.len() as u32);
         let irradiance = Finish { treatment, class, first: class };
         if coated {
@@ -173,7 +192,8 @@ impl Policy {
             self.makers.push(Treatment::Irradiance);
         }
         for id in 0..scene.materials.len() as u32 {
-            let components = components_of(scene, MaterialId(id)).map(|of| self.joined(scene, &of, irradiance));
+            let components =
+                components_of(scene, MaterialId(id), &|id| self.splits(id)).map(|of| self.joined(&of, irradiance));
             let held = |of: &[(MaterialId, Option<Finish>)]| {
                 let own = |id: MaterialId| {
                     self.grades[id.0 as usize].is_some() || self.treatments[id.0 as usize] != Treatment::Traced
@@ -182,16 +202,10 @@ impl Policy {
             };
             self.components.push(components.filter(|of| held(of)));
         }
-        let coated = scene.materials.iter().enumerate().filter(|(_, material)| is_coated(material));
-        for (i, _) in coated {
-            let found = self.components.iter().flatten().any(|of| of.iter().any(|(id, _)| id.0 as usize == i));
-            let note = if found { COATED } else { "path traced (perfectly specular)" };
-            self.notes.push(format!("{}: {note}", name(scene, i)));
-        }
     }
 
     /// The components of one of them: lobes that are the same everywhere by width, and what is diffuse with the broadest.
-    fn joined(&mut self, scene: &Scene, of: &[MaterialId], irradiance: Finish) -> Box<[(MaterialId, Option<Finish>)]> {
+    fn joined(&mut self, of: &[MaterialId], irradiance: Finish) -> Box<[(MaterialId, Option<Finish>)]> {
         let own = |id: &MaterialId| self.treatments[id.0 as usize];
         let mut lobes: Vec<(f32, MaterialId)> = (of.iter())
             .filter_map(|id| match own(id) {
@@ -201,13 +215,13 @@ impl Policy {
             .collect();
         lobes.sort_by(|a, b| a.0.total_cmp(&b.0));
         let first = self.makers.len() as u32;
-        let base = |id: &MaterialId| own(id) == Treatment::Irradiance || is_coated(&scene.materials[id.0 as usize]);
+        let base = |id: &MaterialId| own(id) == Treatment::Irradiance || self.splits(*id);
         let bases: Vec<MaterialId> = of.iter().copied().filter(|id| base(id)).collect();
         let class = |i: usize| Finish { treatment: lobes[i].1.0, class: first + i as u32, first };
         let finish = |id: &MaterialId| match lobes.iter().position(|lobe| lobe.1 == *id) {
             Some(i) => Some(class(i)),
             None if !bases.contains(id) => None,
-            None if lobes.is_empty() => is_coated(&scene.materials[id.0 as usize]).then_some(irradiance),
+            None if lobes.is_empty() => self.splits(*id).then_some(irradiance),
             None => Some(class(lobes.len() - 1)),
         };
         let joined = of.iter().map(|id| (*id, finish(id))).collect();
@@ -228,6 +242,23 @@ impl Policy {
             Some(grades) => grades.finish(&scene.textures, at),
             None => Finish::plain(material.0),
         }
+    }
+
+    /// Whether a material is divided into its base and the rest.
+    #[inline]
+    pub(super) fn splits(&self, id: MaterialId) -> bool {
+        self.splits[id.0 as usize]
+    }
+
+    /// Whether a component is one that records can hold: of what is divided, the base.
+    pub(super) fn is_held(&self, component: &Component) -> bool {
+        let Component { bsdf, .. } = component;
+        bsdf.parts().is_some_and(|parts| !self.splits(bsdf.material()) || parts.is_diffuse())
+    }
+
+    /// Whether a material is treated as a component, on its own or of others.
+    fn is_component(&self, material: MaterialId) -> bool {
+        self.components.iter().flatten().any(|of| of.iter().any(|(id, _)| *id == material))
     }
 
     /// How a component of a surface is treated; `None` if it is traced.
@@ -251,15 +282,19 @@ impl Policy {
     #[inline(never)]
     fn sharpest_component<'a>(&self, world: &'a World, at: &Interaction) -> Option<(Component<'a>, Finish)> {
         let mut main: Option<(Component, Finish)> = None;
-        world.components(at, |component| {
-            let held = component.bsdf.parts().and_then(|_| self.component_finish(&world.scene, at, &component));
-            let before = |finish: Finish| (self.treatment(finish) == Treatment::Irradiance, finish.class);
-            if let Some(finish) = held
-                && main.is_none_or(|(_, main)| before(finish) < before(main))
-            {
-                main = Some((component, finish));
-            }
-        });
+        world.components(
+            at,
+            |id| self.splits(id),
+            |component| {
+                let held = self.component_finish(&world.scene, at, &component).filter(|_| self.is_held(&component));
+                let before = |finish: Finish| (self.treatment(finish) == Treatment::Irradiance, finish.class);
+                if let Some(finish) = held
+                    && main.is_none_or(|(_, main)| before(finish) < before(main))
+                {
+                    main = Some((component, finish));
+                }
+            },
+        );
         main
     }
 
@@ -283,8 +318,8 @@ impl Allowed {
     }
 }
 
-/// What is said of a base under a coat that mirrors.
-const COATED: &str = "cached (irradiance; what its coat mirrors is traced)";
+/// What is said of a material whose base is held without its lobe.
+const BASE: &str = "base cached, the rest path traced";
 
 fn name(scene: &Scene, i: usize) -> String {
     let name = scene.material_names.get(i).filter(|n| !n.is_empty());
@@ -308,14 +343,12 @@ pub fn outlook(material: &Material) -> String {
     if is_diffuse(material) {
         return "irradiance records".into();
     }
-    if is_coated(material) {
-        return "irradiance records below its coat, which is looked through".into();
-    }
     if Graded::of(material).is_some() {
         return "EAS records where its lobe, which a texture gives, is wide enough".into();
     }
-    match specular(material) {
+    let outlook = match specular(material) {
         Ok(specular) => KINDS.iter().find_map(|kind| (kind.outlook)(&specular)).unwrap_or_else(|| "path traced".into()),
         Err(reason) => format!("path traced ({reason})"),
-    }
+    };
+    if has_base(material) { outlook.replacen("path traced", BASE, 1) } else { outlook }
 }
