@@ -40,6 +40,7 @@ pub fn render<I: Integrator>(
         spp: 0,
         passes: 0,
         counts: Counts::default(),
+        from_records: false,
         denoised: None,
     };
     let start = Instant::now();

@@ -29,8 +29,6 @@ pub struct Pixel {
     pub pass_squares: [f32; 3],
     /// Number of samples that met a surface.
     pub surfaces: u32,
-    /// Number of samples whose indirect light came from records, which have no noise.
-    pub held: f32,
     /// Direct and indirect light of the first half of the samples.
     pub half: [[f32; 3]; 2],
 }
@@ -96,6 +94,8 @@ pub struct Picture {
     pub passes: u32,
     /// Rays, and how many paths were dropped.
     pub counts: Counts,
+    /// Whether indirect light comes from records, which have no noise, wherever they reach.
+    pub from_records: bool,
     /// The whole light without its noise, by pixel, where a [`crate::denoise::Denoiser`] has been at work.
     pub denoised: Option<Vec<[f32; 3]>>,
 }

@@ -84,6 +84,80 @@ fn frames_have_the_same_bytes_however_they_are_drawn() {
     assert_eq!(left.count(), FRAMES as usize);
 }
 
+/// The arguments of a fill of 24 frames, and the bytes of the cache that it leaves when nothing stops it.
+fn long_fill() -> (Folder, String, Vec<u8>) {
+    let (f, walk) = folder();
+    std::fs::write(f.path("path.csv"), format!("{HEADER}{}", PATH.replace("\n6,", "\n24,"))).unwrap();
+    let fill = format!("{walk} --fill-only --progress openjd -o x/####.exr --threads 1");
+    f.ok(&format!("{fill} --cache whole.cache"));
+    let whole = std::fs::read(f.path("whole.cache")).unwrap();
+    (f, fill, whole)
+}
+
+/// A process of `render`, whose output is read later.
+fn start(f: &Folder, args: &str) -> std::process::Child {
+    let mut command = Command::cargo_bin("render").unwrap();
+    command.current_dir(f.path("")).args(args.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::null());
+    command.spawn().unwrap()
+}
+
+/// Killed at random moments a fill loses no more than the wave of frames in work and the one whose file was not yet written, and ends
+/// with the same bytes. `BURNISH_KILLS=100` kills a hundred times.
+#[test]
+fn a_fill_that_is_killed_goes_on() {
+    /// Frames of a wave.
+    const WAVE: u64 = 4;
+    let kills: u32 = std::env::var("BURNISH_KILLS").map_or(12, |n| n.parse().expect("a number of kills"));
+    let (f, fill, whole) = long_fill();
+    let fill = format!("{fill} --cache killed.cache");
+    let (mut random, mut killed, mut ended, mut resumed) = (1u64, 0, 0, 0);
+    while killed < kills {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let mut child = start(&f, &fill);
+        std::thread::sleep(Duration::from_millis((random >> 33) % 250));
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        if output.status.success() {
+            assert!(std::fs::read(f.path("killed.cache")).unwrap() == whole, "after {killed} kills");
+            std::fs::remove_file(f.path("killed.cache")).unwrap();
+            ended += 1;
+            continue;
+        }
+        killed += 1;
+        let frame = told
+            .lines()
+            .rev()
+            .find_map(|line| line.split_once("fill: frame ")?.1.split(' ').next()?.parse::<u64>().ok());
+        let kept = if f.path("killed.cache").exists() {
+            let info: serde_json::Value = serde_json::from_str(&f.ok("cache info killed.cache --json").0).unwrap();
+            let all = info["walk"]["filled"] == serde_json::json!([[0, 23]]);
+            if all { 24 } else { info["walk"]["current"][1].as_u64().unwrap() }
+        } else {
+            0
+        };
+        resumed += u32::from(kept > 0);
+        assert!(kept + 2 * WAVE >= frame.unwrap_or(0), "frame {frame:?} was in work, {kept} are kept");
+    }
+    f.ok(&fill);
+    assert!(std::fs::read(f.path("killed.cache")).unwrap() == whole);
+    println!("{killed} kills, {resumed} with something kept, {ended} fills ended between them");
+    assert!(resumed > 0);
+}
+
+/// Two processes that fill one cache at once leave what one leaves.
+#[test]
+fn two_fills_at_once_do_no_harm() {
+    let (f, fill, whole) = long_fill();
+    let fill = format!("{fill} --cache two.cache");
+    let children = [start(&f, &fill), start(&f, &fill)];
+    for child in children {
+        assert!(child.wait_with_output().unwrap().status.success());
+    }
+    assert!(std::fs::read(f.path("two.cache")).unwrap() == whole);
+    assert!(!f.path("two.cache.lock").exists());
+}
+
 /// What is there is left only if it is whole and of these settings.
 #[test]
 fn frames_that_are_there_are_looked_at() {
@@ -133,6 +207,97 @@ fn parts_of_a_cache_merge() {
     f.bad("cache merge a.cache b.cache -o a.cache", "is read by this command");
     f.bad("cache info none.cache", "none.cache");
     assert!(!f.path("c.cache").exists());
+}
+
+/// What a cache holds is light that arrives at surfaces: what only the eye or the screen sees may change, all that light meets on its
+/// way may not, and is named.
+#[test]
+fn a_cache_is_kept_where_its_light_is_the_same() {
+    let (f, walk) = folder();
+    let scene = |glass: &str, lamp: &str| {
+        format!(
+            "<scene version=\"3.0.0\">
+            <default name=\"max_depth\" value=\"5\"/>
+            <integrator type=\"path\"><integer name=\"max_depth\" value=\"$max_depth\"/></integrator>
+            <sensor type=\"perspective\"><film type=\"hdrfilm\"><integer name=\"width\" value=\"24\"/>
+            <integer name=\"height\" value=\"24\"/></film></sensor>
+            <shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"3\"/></transform>
+            <bsdf type=\"twosided\"><bsdf type=\"phong\"><rgb name=\"diffuse_reflectance\" value=\"0.2\"/>
+            <rgb name=\"specular_reflectance\" value=\"{glass}\"/><float name=\"exponent\" value=\"40\"/></bsdf></bsdf></shape>
+            <shape type=\"sphere\"><point name=\"center\" x=\"0\" y=\"3\" z=\"2\"/><float name=\"radius\" value=\"0.5\"/>
+            <emitter type=\"area\"><rgb name=\"radiance\" value=\"{lamp}\"/></emitter></shape>
+            <shape type=\"cube\"><transform name=\"to_world\"><translate x=\"1\" z=\"1\"/></transform></shape></scene>"
+        )
+    };
+    let write = |glass: &str, lamp: &str| std::fs::write(f.path("scene.xml"), scene(glass, lamp)).unwrap();
+    let (_, options) = walk.split_once(" --path").unwrap();
+    let path =
+        "frame,eye_x,eye_y,eye_z,look_x,look_y,look_z,up_x,up_y,up_z\n1,0,0,6,0,0,0,0,1,0\n3,1,0,6,0,0,0,0,1,0\n";
+    std::fs::write(f.path("path.csv"), path).unwrap();
+    let walk = format!("walk scene.xml --path{options}");
+    write("0.6", "9");
+    f.ok(&format!("{walk} --fill-only --cache c.cache -o a/####.exr"));
+    let draw = format!("{walk} --frames-only --cache c.cache -o a/####.png");
+    for kept in ["", "--exposure 1", "--view agx", "--seed 5", "--denoise off", "--frames 2", "--threads 1"] {
+        f.ok(&format!("{draw} {kept}"));
+    }
+    f.ok(&format!("{draw} --spp 3").replace(" --spp 2", ""));
+    for (refused, what) in [
+        ("-D max_depth=4", "another scene"),
+        ("--indirect-only", "another part of the light"),
+        ("--eas paper", "another estimator"),
+        ("--radius distance", "another spacing"),
+        ("--width 16", "not filled for this path and film"),
+    ] {
+        f.bad(&format!("{draw} {refused}"), what);
+    }
+    f.bad(
+        &draw.replace("--method auto", "--method sh").replace(&format!(" --tables {ROOT}/tables"), ""),
+        "another method",
+    );
+    write("0.5", "9");
+    f.bad(&draw, "another set of materials");
+    write("0.6", "8");
+    f.bad(&draw, "another scene");
+    write("0.6", "9");
+    f.ok(&draw);
+}
+
+/// A video is made where ffmpeg is, else the command is said; frames must be there as PNG, and follow each other.
+#[test]
+fn videos_are_made_or_told_of() {
+    let (f, walk) = folder();
+    let (_, said) = f.ok(&format!("{walk} -o v/##.png --frames 2-4 --video v.mp4"));
+    assert!(
+        f.path("v.mp4").exists()
+            || said.contains("ffmpeg -y -loglevel error -framerate 24 -start_number 2 -i v/%02d.png"),
+        "{said}"
+    );
+    f.bad(&format!("{walk} -o v/##.exr --video v.mp4"), "-o out/####.png");
+    f.bad(&format!("{walk} -o v/##.png --video v.gif"), "v.gif");
+    f.bad(&format!("{walk} -o v/##.png --frames 1,3 --video v.mp4"), "follow each other");
+}
+
+/// The chart of a walk: frames of four methods, a table, a line for every frame, and a page that needs no other file.
+#[test]
+fn walks_are_charted() {
+    let (f, walk) = folder();
+    let scene = walk.split(' ').nth(1).unwrap();
+    let chart = format!(
+        "walk-chart {scene} --path path.csv --frames 2,3 --time-per-frame 0.3 --reference-spp 4 -o chart --tables {ROOT}/tables"
+    );
+    let (table, _) = f.ok(&format!("{chart} -- --width 24"));
+    for method in ["caches", "caches + denoiser", "path + denoiser", "path"] {
+        assert!(table.contains(method), "{table}");
+    }
+    let lines = std::fs::read_to_string(f.path("chart/walk.csv")).unwrap();
+    assert_eq!(lines.lines().count(), 1 + 4 * 2, "{lines}");
+    let page = std::fs::read_to_string(f.path("chart/index.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("data:image/png;base64,") && !page.contains("src=\"pictures"));
+    assert!(f.path("chart/error-0.3.svg").exists() && f.path("chart/flicker-0.3.svg").exists());
+    f.bad(&format!("{chart} -- --spp 3"), "--spp is set by the chart");
+    f.bad(&format!("{chart} -- --no-such"), "after --");
+    f.bad(&chart.replace("2,3", "9"), "frame 9 is outside");
 }
 
 /// What a budget of time chose is in the cache, and frames are drawn with it.

@@ -19,6 +19,7 @@ mod reading;
 mod stats;
 mod view;
 mod walk;
+mod walk_chart;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -39,6 +40,8 @@ enum Command {
     /// Draw the frames of a walk through a scene, from caches that are filled once.
     #[command(long_about = walk::LONG_ABOUT)]
     Walk(Box<walk::Args>),
+    /// Draw frames of a walk from caches and by path tracing, with a denoiser and without, at equal time: errors, flicker, a page.
+    WalkChart(walk_chart::Args),
     /// Look into files of records, and join those that were filled apart.
     Cache(cache::Args),
     /// List what a scene holds: cameras, lamps, meshes, materials, textures, and what is drawn differently.
@@ -61,6 +64,7 @@ pub fn run() -> ExitCode {
     let result: Result<ExitCode> = match cli.command {
         Command::Image(args) => image::run(&args),
         Command::Walk(mut args) => walk::run(&mut args),
+        Command::WalkChart(args) => walk_chart::run(&args),
         Command::Cache(args) => cache::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Probe(args) => probe::run(&args),

@@ -22,9 +22,9 @@ pub struct Layers {
     pub height: usize,
     /// Samples of a pixel.
     pub spp: u32,
-    /// Light that was scattered once; `None` where all is black.
+    /// Light that was scattered once; where indirect light comes from records, all scattered light. `None` where all is black.
     pub direct: Option<Layer>,
-    /// Light that was scattered more often.
+    /// Light that was scattered more often, if that is apart.
     pub indirect: Option<Layer>,
     /// Reflectance, 0 to 1, of the surface that a pixel shows, perhaps through mirrors.
     pub albedo: Vec<[f32; 3]>,
@@ -32,20 +32,26 @@ pub struct Layers {
     pub normal: Vec<[f32; 3]>,
 }
 
-/// From this share of traced samples on the indirect light of a pixel is denoised wholly: below, what records hold is kept. (As
-/// good as denoising it everywhere where records are all there is; from a quarter on, staircases have a tenth more error.)
-const TRACED: f32 = 0.01;
-
 impl Layers {
     /// Of a rendering.
     pub fn new(picture: &Picture) -> Self {
+        // Two kinds of noise are taken away better apart, and noise better in the midst of light that has none.
+        let scattered = |p: &Pixel| p.sum().direct.sum() + p.sum().indirect.sum();
+        let (direct, indirect) = if picture.from_records {
+            (Layer::new(picture, |p| sum_of_halves(p.half), scattered), None)
+        } else {
+            (
+                Layer::new(picture, |p| Rgb::from_array(p.half[0]), |p| p.sum().direct.sum()),
+                Layer::new(picture, |p| Rgb::from_array(p.half[1]), |p| p.sum().indirect.sum()),
+            )
+        };
         let albedo = picture.mean(|p| p.sum().albedo.clamp(Rgb::ZERO, Rgb::splat(picture.spp as f32)));
         Self {
             width: picture.width as usize,
             height: picture.height as usize,
             spp: picture.spp,
-            direct: Layer::new(picture, 0, |p| p.sum().direct.sum()),
-            indirect: Layer::new(picture, 1, |p| p.sum().indirect.sum()),
+            direct,
+            indirect,
             albedo,
             normal: picture.mean(|p| p.sum().normal),
         }
@@ -73,7 +79,7 @@ impl Layers {
         (self.width * self.height, [&self.direct, &self.indirect].into_iter().flatten().count())
     }
 
-    /// The picture `self` was made of, from its light without noise: emission as it is, and the light of records too.
+    /// The picture `self` was made of, from its light without noise, and emission as it is.
     pub fn merge(&self, picture: &Picture, light: &[Option<Vec<[f32; 3]>>; 2]) -> Vec<[f32; 3]> {
         let scale = 1.0 / picture.spp.max(1) as f32;
         let at = |layer: &Option<Vec<[f32; 3]>>, i: usize, noisy: Rgb| {
@@ -81,17 +87,21 @@ impl Layers {
             clean.filter(|l| l.is_finite()).unwrap_or(noisy)
         };
         let pixel = |(i, p): (usize, &Pixel)| {
-            let (noisy, indirect) = (p.sum().direct.sum() * scale, p.sum().indirect.sum() * scale);
-            let traced = ((1.0 - p.held * scale) / TRACED).clamp(0.0, 1.0);
-            let indirect = indirect.lerp(at(&light[1], i, indirect), traced);
-            (p.sum().emission * scale + at(&light[0], i, noisy) + indirect).max(Rgb::ZERO).to_array()
+            let (direct, indirect) = (p.sum().direct.sum() * scale, p.sum().indirect.sum() * scale);
+            let scattered = if picture.from_records {
+                at(&light[0], i, direct + indirect)
+            } else {
+                at(&light[0], i, direct) + at(&light[1], i, indirect)
+            };
+            (p.sum().emission * scale + scattered).max(Rgb::ZERO).to_array()
         };
         picture.pixels.par_iter().enumerate().map(pixel).collect()
     }
 }
 
 impl Layer {
-    fn new(picture: &Picture, half: usize, light: impl Fn(&Pixel) -> Rgb) -> Option<Self> {
+    /// Of light whose sum over all samples of a pixel, and over the first half of them, is this.
+    fn new(picture: &Picture, half: impl Fn(&Pixel) -> Rgb, light: impl Fn(&Pixel) -> Rgb) -> Option<Self> {
         let mean = picture.mean(&light);
         if mean.iter().all(|p| *p == [0.0; 3]) {
             return None;
@@ -99,12 +109,16 @@ impl Layer {
         let first = first_half(picture.spp);
         let second = picture.spp - first;
         let halves = (second > 0).then(|| {
-            let of = |p: &Pixel| Rgb::from_array(p.half[half]);
             [
-                picture.pixels.iter().map(|p| (of(p) / first as f32).to_array()).collect(),
-                picture.pixels.iter().map(|p| ((light(p) - of(p)) / second as f32).to_array()).collect(),
+                picture.pixels.iter().map(|p| (half(p) / first as f32).to_array()).collect(),
+                picture.pixels.iter().map(|p| ((light(p) - half(p)) / second as f32).to_array()).collect(),
             ]
         });
         Some(Self { mean, halves })
     }
+}
+
+/// Direct and indirect light of the first half of the samples.
+fn sum_of_halves([direct, indirect]: [[f32; 3]; 2]) -> Rgb {
+    Rgb::from_array(direct) + Rgb::from_array(indirect)
 }

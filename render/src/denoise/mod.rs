@@ -1,8 +1,8 @@
 //! From a noisy picture to one without noise.
 //!
 //! Light is denoised by the way it took (`layers`): emission seen directly has no noise and stays as it is; direct and
-//! indirect light are denoised apart, guided by albedo and normal, and summed; light that records hold is kept. Either by Intel's
-//! Open Image Denoise, a neural network, where its library is found when the program runs ([`oidn`]), or by our own filter
+//! indirect light are denoised apart, guided by albedo and normal, and summed; but together where indirect light comes from
+//! records. Either by Intel's Open Image Denoise, a neural network, where its library is found when the program runs ([`oidn`]), or by our own filter
 //! (`builtin`).
 
 mod builtin;

@@ -48,6 +48,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// For a picture from records, which has one layer.
+    pub fn from_records(self) -> Self {
+        Self { seconds: self.seconds * self.effort.cost(1) / self.effort.cost(LAYERS), ..self }
+    }
+
     /// The same picture at another effort.
     pub fn at(self, effort: Effort) -> Self {
         Self { effort, seconds: self.seconds * effort.cost(LAYERS) / self.effort.cost(LAYERS) }

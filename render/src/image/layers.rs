@@ -244,8 +244,8 @@ mod tests {
             pixel.set_sum(&sum);
             pixel.surfaces = 1;
         }
-        let (counts, denoised) = (Counts::default(), None);
-        Picture { width: 3, height: 2, corner: [0, 0], pixels, spp: 1, passes: 1, counts, denoised }
+        let (counts, denoised, from_records) = (Counts::default(), None, false);
+        Picture { width: 3, height: 2, corner: [0, 0], pixels, spp: 1, passes: 1, counts, from_records, denoised }
     }
 
     /// Channels of the file by name, and whether they are in half precision.

@@ -1,7 +1,7 @@
 //! Estimators of the radiance along a ray.
 
 pub mod cached;
-mod direct;
+pub(crate) mod direct;
 mod guides;
 mod media;
 mod path;

@@ -16,9 +16,9 @@ use std::time::Instant;
 const KEYS: u32 = 8;
 /// Spacing of the lattice in all others.
 const SPACING: u32 = 4;
-/// So many frames after each other, records are filed anew and may be kept in a file: a fill that goes on from there makes the
-/// same records.
-const STAGE: u32 = 16;
+/// Frames of a wave. After it records are filed anew and may be kept in a file: a fill that goes on from there makes the same
+/// records.
+const WAVE: u32 = 4;
 
 /// How caches are filled for frames of a path.
 pub struct Fill<'a> {
@@ -111,7 +111,7 @@ impl Fill<'_> {
             caches = self.rendering.fill_frame(world, self.tolerance, caches, (*density, seed), self.deadline);
             counts = [counts, caches.counts].into_iter().sum();
             let filled = i + 1;
-            if filled % STAGE == 0 && (filled as usize) < order.len() {
+            if filled % WAVE == 0 && (filled as usize) < order.len() {
                 caches.refile();
                 mark.current = Some((self.range, filled));
                 caches.walk = Some(mark.clone());

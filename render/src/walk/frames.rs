@@ -1,5 +1,6 @@
 //! Drawing a frame.
 
+use super::outlines;
 use crate::film;
 use crate::integrator::PathTracer;
 use crate::integrator::cached::{Caches, Rendering};
@@ -39,16 +40,22 @@ impl Source<'_> {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Picture {
         world.scene.camera.clone_from(camera);
-        match *self {
+        let (mut picture, seed, indirect_only) = match *self {
             Self::Traced { seed, indirect_only } => {
                 let integrator = PathTracer { settings: world.scene.integrator, indirect_only };
-                film::render(world, &integrator, budget, seed_of(seed, frame), progress)
+                let seed = seed_of(seed, frame);
+                (film::render(world, &integrator, budget, seed, progress), seed, indirect_only)
             }
             Self::Cached { rendering, tolerance, caches } => {
                 let seed = seed_of(rendering.settings.seed, frame);
-                rendering.shade(world, tolerance, caches, (budget, seed), Instant::now(), progress).0
+                let (picture, _) = rendering.shade(world, tolerance, caches, (budget, seed), Instant::now(), progress);
+                (picture, seed, rendering.settings.indirect_only)
             }
+        };
+        if !indirect_only {
+            outlines::refine(world, &mut picture, seed);
         }
+        picture
     }
 }
 

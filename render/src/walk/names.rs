@@ -86,6 +86,14 @@ impl FrameFiles {
         folder.join(OsString::from(format!("{before}{frame:0digits$}{after}")))
     }
 
+    /// Their names as `printf` and ffmpeg have them.
+    pub fn printf(&self) -> String {
+        let Self { folder, before, digits, after } = self;
+        let quoted = |text: &str| text.replace('%', "%%");
+        let name = format!("{}%0{digits}d{}", quoted(before), quoted(after));
+        folder.join(name).display().to_string()
+    }
+
     /// Where all of them are.
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -113,6 +121,7 @@ mod tests {
         let files = FrameFiles::new(Path::new("out/a.####.exr")).unwrap();
         assert_eq!(files.of(7), Path::new("out/a.0007.exr"));
         assert_eq!(files.of(123_456), Path::new("out/a.123456.exr"));
+        assert_eq!(files.printf(), "out/a.%04d.exr");
         assert_eq!(FrameFiles::new(Path::new("#.png")).unwrap().of(12), Path::new("12.png"));
         for bad in ["out.exr", "#/a.exr", "##a##.exr", "", "/"] {
             assert!(FrameFiles::new(Path::new(bad)).is_err(), "{bad}");

@@ -66,7 +66,7 @@ fn a_fill_that_was_stopped_goes_on_to_the_same_records() {
         let frames = Cell::new(0);
         let count = |_| frames.set(frames.get() + 1);
         let Ok(caches): Result<_, Infallible> = fill.run(&mut world, kept, |_| Ok(()), &count);
-        assert_eq!(frames.get(), 40 - 16 * stage);
+        assert_eq!(frames.get(), 40 - 4 * stage);
         key.save(&path("again"), &caches).unwrap();
         assert!(std::fs::read(path("again")).unwrap() == expected, "from stage {stage}");
     }

@@ -1,6 +1,6 @@
 //! The page a person reads: one HTML file that needs no other.
 
-mod html;
+pub(crate) mod html;
 mod orders;
 mod reach;
 mod sentences;

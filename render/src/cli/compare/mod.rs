@@ -1,7 +1,7 @@
 //! `render compare`.
 
 mod frames;
-mod strip;
+pub(super) mod strip;
 
 use anyhow::{Context, Result, bail};
 use kit::number::{number, whole};

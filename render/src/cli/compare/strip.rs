@@ -7,7 +7,7 @@ const GAP: u32 = 4;
 
 /// The middle columns of frames from left to right, and those of their references below.
 #[derive(Default)]
-pub(super) struct Strip {
+pub(in crate::cli) struct Strip {
     columns: Vec<Vec<[f32; 3]>>,
 }
 

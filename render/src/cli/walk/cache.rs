@@ -7,14 +7,15 @@ use render::integrator::cached::file::{CacheFileError, Key, Lock};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// A file is written no more often than this while it is filled.
-const PAUSE: Duration = Duration::from_secs(10);
+/// Largest share of the time of a fill that goes into keeping what is filled so far.
+const SAVING_SHARE: f64 = 0.1;
 
 /// The cache file of a walk, locked against others that would fill it.
 pub(super) struct Kept<'a> {
     path: Option<&'a Path>,
     _lock: Option<Lock>,
-    saved: Instant,
+    /// When the file was written, and how long that took.
+    saved: (Instant, Duration),
 }
 
 impl<'a> Kept<'a> {
@@ -25,7 +26,7 @@ impl<'a> Kept<'a> {
             Lock::of(path, wait).map_err(|e| anyhow!("{}: no lock: {e}", path.display()))
         };
         let lock = path.filter(|_| !read_only).map(lock).transpose()?;
-        Ok(Self { path, _lock: lock, saved: Instant::now() })
+        Ok(Self { path, _lock: lock, saved: (Instant::now(), Duration::ZERO) })
     }
 
     /// The records of the file, if there is one, and whether they were made at the same τ.
@@ -53,9 +54,10 @@ impl<'a> Kept<'a> {
         Ok((caches, same && loaded.alike))
     }
 
-    /// Keeps what is filled so far, now and then.
+    /// Keeps what is filled so far, but where that would take too much of the time.
     pub fn stage(&mut self, key: &Key, caches: &Caches) -> Result<()> {
-        if self.saved.elapsed() < PAUSE {
+        let (when, took) = self.saved;
+        if took > when.elapsed().mul_f64(SAVING_SHARE) {
             return Ok(());
         }
         self.save(key, caches)
@@ -64,8 +66,9 @@ impl<'a> Kept<'a> {
     /// Writes the file.
     pub fn save(&mut self, key: &Key, caches: &Caches) -> Result<()> {
         if let Some(path) = self.path {
+            let start = Instant::now();
             key.save(path, caches).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-            self.saved = Instant::now();
+            self.saved = (Instant::now(), start.elapsed());
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ mod files;
 mod meter;
 mod stats;
 mod task;
+mod video;
 
 use super::image;
 use super::job::{Engine, Job};
@@ -14,6 +15,7 @@ use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use files::Files;
 use kit::number::number;
 use meter::Told;
+use render::denoise::Denoiser;
 use render::integrator::cached::file;
 use render::scene::Film;
 use render::walk::{FrameNumbers, Walk, read_rows};
@@ -22,6 +24,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use task::Task;
+use video::Video;
 
 /// What `--help` teaches.
 pub const LONG_ABOUT: &str = "\
@@ -35,14 +38,19 @@ camera:NAME@FPS, an animated camera of a glTF file at so many frames per second.
 A frame depends on the scene, the path, the options and the cache alone: many machines may draw frames of one walk. Fill the \
 cache with --fill-only, draw with --frames-only anywhere, and go on after a loss with --skip-existing.";
 
+/// Samples per pixel of frames from caches, with a denoiser. Measured rel_mse at 1, 4 and 8 samples: .025, .010 and .008 in a staircase
+/// of many lamps, .0013, .0008 and .0008 in a glossy box.
+const SAMPLES: u32 = 8;
+
 /// Arguments of `render walk`.
 #[derive(Debug, clap::Args)]
 #[command(
     mut_arg("output", |a| a.required(false).help("Frames to write, as out/####.exr or .png with # for the digits of the number; may be given for each format")),
     mut_arg("time", |a| a.hide(true)),
     mut_arg("show_records", |a| a.hide(true)),
-    mut_arg("spp", |a| a.help("Samples per pixel; with a cache, those of direct light [default: what the cache or the scene says]")),
+    mut_arg("spp", |a| a.help("Samples per pixel; with a cache, those of direct light [default: what the cache says; 8 with a cache and a denoiser, else what the scene says]")),
     mut_arg("cache", |a| a.help("Keep records in this file: filled for the whole path, and gone on with where it is not")),
+    mut_arg("denoise", |a| a.help("Take the grain out of the frames [default: auto]")),
     mut_arg("stats", |a| a.help("Write figures of the walk")),
 )]
 pub struct Args {
@@ -69,6 +77,12 @@ pub struct Args {
     /// A quarter of the width and height, for a look at the path.
     #[arg(long, conflicts_with = "cache")]
     preview: bool,
+    /// Make a video of the frames, which must be PNG too: by ffmpeg, or where that is not installed, say what to run.
+    #[arg(long, value_name = "OUT.mp4", conflicts_with = "fill_only")]
+    video: Option<PathBuf>,
+    /// Frames of the video in a second.
+    #[arg(long, value_name = "N", default_value_t = 24.0, requires = "video", value_parser = number(0.1..=1000.0f64, "a number from 0.1 to 1000"))]
+    video_fps: f64,
     /// How progress is told.
     #[arg(long, value_enum, default_value_t)]
     progress: Told,
@@ -105,6 +119,7 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
     args.check()?;
     options::check(&args.image)?;
     let files = Files::new(args)?;
+    let video = args.video.as_ref().map(|path| Video::new(path, args.video_fps, &args.image.output)).transpose()?;
     let mut reading = args.image.reading.options()?;
     let track = camera_of(&args.path)?;
     if let Some((name, fps)) = &track {
@@ -124,11 +139,16 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
         args.image.tau = args.image.tau.or(Some(info.tau).filter(|_| reads));
         args.image.spp = args.image.spp.or(chosen);
     }
-    let args = &*args;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.image.threads.unwrap_or(0).into()).build()?;
+    let denoiser = args.image.denoising.open(true, pool.current_num_threads())?;
+    if args.image.method != Method::Path && denoiser.is_some() {
+        args.image.spp = args.image.spp.or((args.time_per_frame.is_none()).then_some(SAMPLES));
+    }
+    let args = &*args;
     pool.install(|| {
-        // Nothing of the time that one machine takes goes into a frame, so nothing is denoised that was not asked for.
-        let denoiser = args.image.denoising.open(false, pool.current_num_threads())?;
+        if let Some(note) = denoiser.as_ref().and_then(Denoiser::note) {
+            eprintln!("render: denoised by builtin ({note})");
+        }
         let Job { mut world, engine, budget, seed, indirect_only, look, views, .. } =
             Job::new(&args.image, &reading, denoiser.as_ref(), |read| files.check(args, read))?;
         let place = || args.path.display().to_string();
@@ -148,13 +168,16 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
         }
         let camera = world.scene.camera.clone();
         walk.change(|frame| (frame.film, frame.lens) = (camera.film.clone(), camera.lens));
-        let stats = Stats::new(args.image.method.name(), pool.current_num_threads(), start.elapsed());
+        let mut stats = Stats::new(args.image.method.name(), pool.current_num_threads(), start.elapsed());
+        stats.path_frames = walk.frames().end() - walk.frames().start() + 1;
         let mut task = Task { args, world, walk, files, look, denoiser, seed, indirect_only, budget, start, stats };
         let frames = task.frames()?;
+        video.as_ref().map_or(Ok(()), |_| Video::check(&frames))?;
         match engine {
             Engine::Traced => task.traced(&frames)?,
             Engine::Cached(caching) => task.cached(&caching, &frames)?,
         }
+        video.map_or(Ok(()), |video| video.make(&frames))?;
         task.finish()
     })
 }

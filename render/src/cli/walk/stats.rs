@@ -10,6 +10,8 @@ use std::time::Duration;
 pub(super) struct Stats {
     method: &'static str,
     pub seconds: Seconds,
+    /// Frames of the path.
+    pub path_frames: u32,
     /// Frames that were drawn, and that were there already.
     frames: u32,
     pub skipped: u32,

@@ -8,12 +8,13 @@ use super::stats::Stats;
 use crate::cli::caching::decide;
 use crate::cli::image::not_finite_warning;
 use crate::cli::job::{Caching, writing_seconds};
+use crate::cli::method::Method;
 use anyhow::{Context, Result, bail, ensure};
 use kit::output::write;
 use render::denoise::{Denoiser, Effort};
 use render::image::{Look, write_picture};
 use render::integrator::cached::file::{self, Key};
-use render::integrator::cached::{Caches, Rendering};
+use render::integrator::cached::{Caches, Reading, Rendering};
 use render::picture::Budget;
 use render::scene::checksum::Checksums;
 use render::walk::{self, Source, Walk, choose_samples, choose_tolerance};
@@ -76,7 +77,9 @@ impl Task<'_> {
     fn denoising_seconds(&self) -> Result<f64> {
         let Some(denoiser) = &self.denoiser else { return Ok(0.0) };
         let film = self.world.scene.camera.film.window();
-        Ok(denoiser.plan(u64::from(film.width) * u64::from(film.height), None)?.at(EFFORT).seconds)
+        let plan = denoiser.plan(u64::from(film.width) * u64::from(film.height), None)?.at(EFFORT);
+        let cached = self.args.image.method != Method::Path;
+        Ok(if cached { plan.from_records() } else { plan }.seconds)
     }
 
     /// Draws by path tracing.
@@ -101,7 +104,7 @@ impl Task<'_> {
         let (policy, fitting) = decide(caching, &self.world)?;
         self.stats.seconds.fit = fitting.as_secs_f64();
         let filling = Instant::now();
-        let rendering = Rendering::new(&self.world, &policy, &caching.settings);
+        let rendering = Rendering::new(&self.world, &policy, &caching.settings).reading(Reading::Few);
         let mut tolerance = caching.tolerance;
         let key = Key::new(&self.world, &policy, &caching.settings, tolerance);
         let mut kept = Kept::open(caching.file.as_deref(), self.args.frames_only)?;

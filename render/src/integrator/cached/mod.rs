@@ -22,6 +22,7 @@ mod report;
 mod settings;
 mod shade;
 mod site;
+mod sparse;
 mod surface;
 mod views;
 
@@ -44,7 +45,7 @@ pub use probe::{Probe, ProbeError};
 pub use rendering::Rendering;
 pub use report::Figures;
 pub use settings::{Knobs, Quality, TOLERANCE};
-pub use shade::LightSplit;
+pub use shade::{LightSplit, Reading};
 pub use site::{Gather, Site};
 use std::time::Instant;
 

@@ -4,8 +4,10 @@
 use super::Settings;
 use super::kinds::Scratches;
 use super::pace::{PASS, Pace, TRIAL_ROWS};
-use super::shade::Shader;
+use super::shade::{Indirect, Reading, Shader};
+use super::sparse;
 use super::surface::Surface;
+use crate::bsdf::Split;
 use crate::camera::RayGenerator;
 use crate::picture::{Budget, Picture, Pixel, first_half, summable};
 use crate::sampler::Sampler;
@@ -81,7 +83,10 @@ impl<'a> Passes<'a> {
         let Self { window, pixels, spp, counts, .. } = self;
         let corner = [window.x, window.y];
         let (width, height) = (window.width, window.height);
-        (Picture { width, height, corner, pixels, spp, passes: 0, counts, denoised: None }, negative)
+        (
+            Picture { width, height, corner, pixels, spp, passes: 0, counts, from_records: true, denoised: None },
+            negative,
+        )
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.
@@ -127,6 +132,7 @@ impl<'a> Passes<'a> {
     fn try_indirect(&self) {
         let width = self.window.width as usize;
         let rows: Vec<_> = (TRIAL_ROWS / 2..self.window.height as usize).step_by(TRIAL_ROWS).collect();
+        let unread = vec![None; width];
         rows.par_iter().for_each_init(Scratches::default, |scratch, &y| {
             let row = y * width..(y + 1) * width;
             let mut pixels = self.pixels[row.clone()].to_vec();
@@ -135,7 +141,7 @@ impl<'a> Passes<'a> {
                 (self.settings.seed, self.spp),
                 self.place(y),
                 &mut pixels,
-                &self.surfaces[row],
+                (&self.surfaces[row], &unread),
                 scratch,
             );
         });
@@ -146,10 +152,14 @@ impl<'a> Passes<'a> {
         let rows = AtomicU64::new(0);
         let Self { shader, settings, window, spp, .. } = *self;
         let width = window.width as usize;
+        let known = match shader.reading {
+            Reading::Every => vec![None; self.surfaces.len()],
+            Reading::Few => sparse::between(shader, &self.surfaces, width),
+        };
         let (traced, negative) = self
             .pixels
             .par_chunks_mut(width)
-            .zip(self.surfaces.par_chunks(width))
+            .zip(self.surfaces.par_chunks(width).zip(known.par_chunks(width)))
             .enumerate()
             .map_init(Scratches::default, |scratch, (y, (row, surfaces))| {
                 let place = (window.x, window.y + y as u32);
@@ -169,13 +179,13 @@ impl<'a> Passes<'a> {
     }
 }
 
-/// Indirect light of a row: what was traced, and pixels where it is negative.
+/// Indirect light of a row, but where it is known: what was traced, and pixels where it is negative.
 fn indirect_row(
     shader: &Shader,
     (seed, spp): (u64, u32),
     start: (u32, u32),
     row: &mut [Pixel],
-    surfaces: &[Vec<Surface>],
+    (surfaces, known): (&[Vec<Surface>], &[Option<Split>]),
     scratch: &mut Scratches,
 ) -> (Counts, u64) {
     let (mut queries, mut negative) = (Queries::default(), 0);
@@ -183,16 +193,18 @@ fn indirect_row(
     each_pixel(
         start,
         row,
-        surfaces,
+        surfaces.iter().zip(known),
         #[inline(always)]
-        |at, pixel, surfaces| {
+        |at, pixel, (surfaces, known)| {
             let samplers = |path: u32| Sampler::new(seed.wrapping_add(1), at, path);
-            let indirect = shader.indirect(surfaces, &samplers, scratch, &mut queries);
+            let indirect = match known {
+                Some(light) => Indirect::held(*light),
+                None => shader.indirect(surfaces, &samplers, scratch, &mut queries),
+            };
             if summable(indirect.light.sum()) {
                 let mut sum = pixel.sum();
                 sum.indirect = sum.indirect + indirect.light;
                 pixel.add_to_half([Rgb::ZERO, indirect.half * share_of_first]);
-                pixel.held = indirect.held;
                 // Records may ring; a pixel never shines less than not at all.
                 let (here, all) = (indirect.light, sum.indirect);
                 if here.diffuse.min(here.glossy).min(all.diffuse).min(all.glossy).min_element() < 0.0 {

@@ -7,7 +7,7 @@ use super::passes::Passes;
 use super::points::PixelCone;
 use super::policy::Policy;
 use super::settings::{Knobs, Quality};
-use super::shade::{LightSplit, Shader};
+use super::shade::{LightSplit, Reading, Shader};
 use super::surface::Grouping;
 use crate::cache::Density;
 use crate::picture::{Budget, Picture};
@@ -28,6 +28,7 @@ pub struct Rendering<'a> {
     pub settings: Settings,
     knobs: Knobs,
     split: LightSplit,
+    reading: Reading,
 }
 
 impl<'a> Rendering<'a> {
@@ -38,7 +39,13 @@ impl<'a> Rendering<'a> {
 
     /// With other numbers.
     pub(super) fn with(world: &World, policy: &'a Policy, settings: &Settings, knobs: &Knobs) -> Self {
-        Self { policy, settings: *settings, knobs: *knobs, split: LightSplit::new(world, settings.indirect_only) }
+        let split = LightSplit::new(world, settings.indirect_only);
+        Self { policy, settings: *settings, knobs: *knobs, split, reading: Reading::default() }
+    }
+
+    /// The same, where these pixels read records.
+    pub fn reading(self, reading: Reading) -> Self {
+        Self { reading, ..self }
     }
 
     fn quality(&self, tolerance: f32) -> Quality {
@@ -112,6 +119,7 @@ impl<'a> Rendering<'a> {
             indirect_only: self.settings.indirect_only,
             cone: PixelCone::new(&world.scene.camera),
             grouping: Grouping::new(world.scene.camera.lens.is_some()),
+            reading: self.reading,
         };
         let settings = Settings { budget, seed, ..self.settings };
         Passes::new(&shader, &settings).run(start, progress)

@@ -10,7 +10,7 @@ use super::points::{PixelCone, Point, Seen, Walk, see};
 use super::policy::{LobeWidth, Policy, Treatment};
 use super::settings::Quality;
 use super::surface::{Grouping, Surface};
-use crate::bsdf::{Bsdf, Split};
+use crate::bsdf::{Bsdf, Parts, Split};
 use crate::color::mean_radiance;
 use crate::frame::Frame;
 use crate::integrator::direct::{Left, emission, environment, receiver};
@@ -43,6 +43,18 @@ pub struct Shader<'a> {
     pub cone: PixelCone,
     /// Which samples of a pixel are shaded as one.
     pub(super) grouping: Grouping,
+    /// Which pixels read records.
+    pub(super) reading: Reading,
+}
+
+/// Which pixels of a picture read records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reading {
+    /// All.
+    #[default]
+    Every,
+    /// Few, where what they reflect is smooth: it is interpolated between them.
+    Few,
 }
 
 /// The lights of a world, divided between records and pixels.
@@ -80,8 +92,14 @@ pub struct Indirect {
     pub light: Split,
     /// What it would be by the first half of the paths alone: records say the same twice.
     pub half: Rgb,
-    /// Number of samples whose light came from records.
-    pub held: f32,
+}
+
+impl Indirect {
+    /// All of it from records, for all samples of a pixel.
+    #[inline]
+    pub(super) fn held(light: Split) -> Self {
+        Self { light, half: light.sum() }
+    }
 }
 
 impl AddAssign for Indirect {
@@ -89,7 +107,6 @@ impl AddAssign for Indirect {
     fn add_assign(&mut self, other: Self) {
         self.light = self.light + other.light;
         self.half += other.half;
-        self.held += other.held;
     }
 }
 
@@ -298,6 +315,37 @@ impl Shader<'_> {
         s.point.segments + 1 < depth + u32::from(self.split.held.is_some())
     }
 
+    /// What records say of a surface with these colours, summed over its samples.
+    #[inline(always)]
+    fn found(&self, s: &Surface, parts: &Parts, scratch: &mut Scratches) -> Found {
+        let position = s.position / s.samples;
+        let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
+        let hemisphere = s.point.hemisphere_normal();
+        match self.policy.treatment(s.finish()) {
+            Treatment::Irradiance => {
+                let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
+                let light =
+                    found.map(|e| Split { diffuse: parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
+                let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
+                Found { light, traced: doubt, doubt }
+            }
+            Treatment::Glossy(glossy) => {
+                let frame = turned(&s.point, normal);
+                let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
+                let surface = Shaded { at, hemisphere, finish: s.point.finish, parts };
+                glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
+            }
+            Treatment::Traced => Found::NOTHING,
+        }
+    }
+
+    /// What a surface reflects if its diffuse part is white, where records say all of it; of the specular part for all samples.
+    #[inline(always)]
+    pub(super) fn held_on_white(&self, s: &Surface, scratch: &mut Scratches) -> Option<Split> {
+        let found = self.has_indirect(s).then(|| self.found(s, &Parts { diffuse: Rgb::ONE, ..s.parts }, scratch))?;
+        found.light.filter(|_| found.traced == 0.0)
+    }
+
     /// Indirect light of a surface. `paths` tells how many to trace by the doubt about records, and the sample points of each.
     #[inline(always)]
     fn surface<S: Fn(u32) -> Sampler>(
@@ -307,25 +355,7 @@ impl Shader<'_> {
         scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Indirect {
-        let position = s.position / s.samples;
-        let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
-        let hemisphere = s.point.hemisphere_normal();
-        let Found { light: cached, traced, doubt } = match self.policy.treatment(s.finish()) {
-            Treatment::Irradiance => {
-                let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
-                let light =
-                    found.map(|e| Split { diffuse: s.parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
-                let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
-                Found { light, traced: doubt, doubt }
-            }
-            Treatment::Glossy(glossy) => {
-                let frame = turned(&s.point, normal);
-                let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                let surface = Shaded { at, hemisphere, finish: s.point.finish, parts: &s.parts };
-                glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
-            }
-            Treatment::Traced => Found::NOTHING,
-        };
+        let Found { light: cached, traced, doubt } = self.found(s, &s.parts, scratch);
         let (path, half) = match cached {
             Some(_) if traced == 0.0 => (Split::ZERO, Rgb::ZERO),
             // Nothing reaches here: trace instead.
@@ -350,9 +380,8 @@ impl Shader<'_> {
             Some(cached) => Indirect {
                 light: cached * (1.0 - traced) + path * traced,
                 half: cached.sum() * (1.0 - traced) + half * traced,
-                held: s.samples * (1.0 - traced),
             },
-            None => Indirect { light: path, half, held: 0.0 },
+            None => Indirect { light: path, half },
         }
     }
 }
