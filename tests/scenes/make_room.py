@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes room.glb, a furnished room as glTF programs export them: python3 make_room.py
+"""Writes room.glb, a furnished room as glTF programs export them, and room-full.glb, the same with plants, beads and a rug of tufts,
+117748 triangles by instances: python3 make_room.py
 
 Metres, y up. The floor is lacquered wood, walls and ceiling are matte (no specular part), the kettle, the pots and the lamp
 are rough metal, the faucet is nearly a mirror; daylight from a shining sheet behind the window, lamplight from a bulb."""
@@ -83,6 +84,24 @@ class Room:
         half = math.radians(turn) / 2
         node = {"mesh": mesh, "translation": list(at), "rotation": [0, math.sin(half), 0, math.cos(half)], **fields}
         self.json["nodes"].append(node)
+        self.json["scenes"][0]["nodes"].append(len(self.json["nodes"]) - 1)
+
+    def scatter(self, mesh, places):
+        """Puts a mesh at many places (EXT_mesh_gpu_instancing): position, quaternion, scale of each."""
+        ways = {"TRANSLATION": 0, "ROTATION": 1, "SCALE": 2}
+        kinds = {3: "VEC3", 4: "VEC4"}
+        attributes = {}
+        for name, k in ways.items():
+            rows = [place[k] for place in places]
+            flat = [x for row in rows for x in row]
+            view = self.view(struct.pack(f"<{len(flat)}f", *flat))
+            self.json["accessors"].append({"bufferView": view, "count": len(rows), "componentType": 5126,
+                                           "type": kinds[len(rows[0])]})
+            attributes[name] = len(self.json["accessors"]) - 1
+        extension = "EXT_mesh_gpu_instancing"
+        if extension not in self.json["extensionsUsed"]:
+            self.json["extensionsUsed"].append(extension)
+        self.json["nodes"].append({"mesh": mesh, "extensions": {extension: {"attributes": attributes}}})
         self.json["scenes"][0]["nodes"].append(len(self.json["nodes"]) - 1)
 
     def camera(self, eye, target, yfov):
@@ -230,7 +249,61 @@ def painting(size=48):
     return size, size, pixel
 
 
-def main():
+def rotation(turn, lean):
+    """Leans away from the vertical, then turns about it; radians, as a quaternion."""
+    a, b = turn / 2, lean / 2
+    return (math.cos(a) * math.sin(b), math.sin(a) * math.cos(b), -math.sin(a) * math.sin(b), math.cos(a) * math.cos(b))
+
+
+def blade(length, width, bend, steps):
+    """A leaf along y that bends towards z."""
+    rows = []
+    for i in range(steps + 1):
+        t = i / steps
+        half = width * math.sin(math.pi * (0.06 + 0.88 * (1 - t) ** 0.8)) * (1 - 0.15 * t)
+        y, z = length * math.sin(bend * t) / bend, length * (1 - math.cos(bend * t)) / bend
+        n = (0.0, math.sin(bend * t) * -1, math.cos(bend * t))
+        rows.append([((side * half, y, z + 0.12 * half * abs(side)), n, (0.0, 0.0)) for side in (-1, 0, 1)])
+    return [v for row in rows for v in row], [k + 3 * i for i in range(steps) for k in (0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4)]
+
+
+def furnish(r, leaf, glaze, cream, rug, brass):
+    """What is too fine for most caches: a fern, a palm, a bead curtain, a rug of tufts."""
+    rng = random.Random(11)
+    pot = turned([(0.0, 0.0), (0.13, 0.0), (0.17, 0.3), (0.185, 0.31), (0.18, 0.33), (0.165, 0.32), (0.15, 0.27), (0.0, 0.27)], 32)
+    r.place(r.mesh("large pot", (pot, cream)), (1.75, 0, -0.95))
+    frond = r.mesh("frond", (blade(0.5, 0.024, 1.1, 10), leaf))
+    places = []
+    for i in range(420):
+        turn, up = 2.39996 * i, i / 420
+        at = (1.75 + 0.1 * (1 - up) * math.sin(turn), 0.26 + 0.55 * up, -0.95 + 0.1 * (1 - up) * math.cos(turn))
+        size = rng.uniform(0.55, 1.0)
+        places.append((at, rotation(turn, rng.uniform(0.25, 1.5) * (1.1 - up)), (size, size, size)))
+    r.scatter(frond, places)
+    small = r.mesh("small leaf", (blade(0.075, 0.014, 0.8, 4), leaf))
+    places = []
+    for i in range(700):
+        stem, t = i % 28, 0.25 + 0.75 * (i // 28) / 25
+        turn, lean = 2.39996 * stem, 0.25 + 0.035 * stem
+        out = 0.34 * t * math.sin(lean * (0.4 + t))
+        at = (-1.95 + out * math.sin(turn) * 0.9 + 0.06, 1.02 + 0.34 * t * math.cos(lean * (0.4 + t)), -0.35 + out * math.cos(turn))
+        places.append((at, rotation(turn + (1.4 if i % 2 else -1.4), rng.uniform(0.9, 1.6)), (1, 1, 1)))
+    r.scatter(small, places)
+    r.place(r.mesh("sill pot", (turned([(0.0, 0.0), (0.06, 0.0), (0.085, 0.16), (0.078, 0.16), (0.0, 0.14)], 28), glaze)), (-1.89, 0.852, -0.35))
+    bead = r.mesh("bead", (turned(arc((0.0, 0.0), 0.011, -90, 90, 8), 12), brass))
+    places = [((0.75 + 0.06 * c, 1.53 - 0.026 * k - 0.004 * (c % 3), -1.8), (0.0, 0.0, 0.0, 1.0), (1, 1, 1))
+              for c in range(20) for k in range(6 + (c * 5) % 7)]
+    r.scatter(bead, places)
+    tuft = r.mesh("tuft", (blade(0.03, 0.004, 0.9, 2), rug))
+    places = []
+    for i in range(6000):
+        at = (rng.uniform(-1.44, 0.84), 0.01, rng.uniform(-1.29, 0.44))
+        size = rng.uniform(0.8, 1.3)
+        places.append((at, rotation(rng.uniform(0, 2 * math.pi), rng.uniform(0, 0.6)), (2 * size, size, size)))
+    r.scatter(tuft, places)
+
+
+def main(full):
     r = Room()
     matte = {"specular": {"specularFactor": 0}}
     lacquer = r.material("floor", (1, 1, 1), 0.3, texture=r.texture(*planks()), ior={"ior": 1.7})
@@ -355,8 +428,12 @@ def main():
     canvas = [(p, n, uv) for (p, n, _), uv in zip(canvas[0], corners)], canvas[1]
     r.place(r.mesh("painting", (joined(*frame), oak), (canvas, picture)))
 
+    if full:
+        furnish(r, leaf, glaze, cream, rug, brass)
     r.camera((1.62, 1.42, 2.2), (-0.3, 0.72, -0.62), 44)
-    r.write(HERE / "room.glb")
+    r.write(HERE / ("room-full.glb" if full else "room.glb"))
 
 
-main()
+if __name__ == "__main__":
+    main(False)
+    main(True)
