@@ -23,8 +23,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Share of `--time-per-frame` for filling the caches.
+/// Share of `--time-per-frame` for filling the caches, as it is planned; and at most, where even a coarse fill takes longer. What is not
+/// filled is path traced in every frame, which takes more time than filling it.
 const FILL_SHARE: f64 = 0.25;
+const LONGEST_FILL: f64 = 0.6;
 
 /// How well frames are denoised: the same for all, whoever draws them and in whatever time.
 const EFFORT: Effort = Effort::Low;
@@ -172,10 +174,10 @@ impl Task<'_> {
         let mut deadline = None;
         if let Some(seconds) = self.args.time_per_frame {
             let start = Instant::now();
-            let time = Duration::from_secs_f64(FILL_SHARE * seconds * self.count());
+            let [time, longest] =
+                [FILL_SHARE, LONGEST_FILL].map(|share| Duration::from_secs_f64(share * seconds * self.count()));
             tolerance = choose_tolerance(&mut self.world, rendering, &self.walk, time);
-            // However long the trial took, something is filled.
-            deadline = Some((start + time).max(Instant::now() + time / 2));
+            deadline = Some(start + longest);
         }
         let fill = walk::Fill { rendering, walk: &self.walk, tolerance, range, deadline };
         let meter = Meter::new("fill", self.args.progress);

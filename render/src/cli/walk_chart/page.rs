@@ -96,7 +96,7 @@ fn pictures(
     for m in methods {
         let mut strip = Strip::default();
         m.images.iter().zip(&references[0]).for_each(|(image, reference)| strip.add(image, reference));
-        text += &figure(&strip.image(), &format!("{}, above the reference", m.method.name))?;
+        text += &figure(&widened(&strip.image()), &format!("{}, above the reference", m.method.name))?;
     }
     let middle = frames.len() / 2;
     let _ = write!(text, "</div>\n<h3>Frame {}</h3>\n<div class=\"pictures\">\n", frames[middle]);
@@ -113,6 +113,17 @@ fn pictures(
         text += &figure(&false_color(&part, &reference)?, &format!("error of {}", m.method.name))?;
     }
     Ok(text + "</div>\n")
+}
+
+/// A strip of few frames with every column several times, so that it is no narrower than half its height.
+fn widened(strip: &Image) -> Image {
+    let times = (strip.height / (2 * strip.width.max(1))).max(1);
+    let width = strip.width * times;
+    let pixels = (0..(width * strip.height) as usize).map(|i| {
+        let (x, y) = (i % width as usize, i / width as usize);
+        strip.pixels[y * strip.width as usize + x / times as usize]
+    });
+    Image { width, height: strip.height, pixels: pixels.collect() }
 }
 
 /// The middle of a picture.
