@@ -4,7 +4,8 @@
 //! [`World::bsdf`] picks one of them by the point, which is right on average. Here all of them are had, with their weights, so
 //! that what is known of each can be summed without noise.
 
-use super::{Bsdf, Glossy, Mirror, Model, RoughCoat, SmoothCoat};
+use super::layers::schlick_rise;
+use super::{Bsdf, Glossy, Mirror, Model, Parts, RoughCoat, SmoothCoat};
 use crate::scene::{ColorTexture, FloatTexture, Material, MaterialId, Rgb, Scene};
 use crate::world::{Interaction, World};
 
@@ -100,6 +101,21 @@ impl World {
             second
         });
         (taken, weight, bsdf)
+    }
+}
+
+impl Bsdf<'_> {
+    /// Rough estimate of the share of light that is reflected but by a Lambertian part.
+    pub(crate) fn reflectance(&self) -> Rgb {
+        match &self.model {
+            Model::Glossy(m) => m.specular,
+            Model::RoughCoat(m) => m.reflectance(self.wo),
+            Model::MetallicRoughness(m) => {
+                let Parts { specular, grazing, .. } = m.parts(self.wo);
+                specular + (grazing - specular) * schlick_rise(self.wo.z)
+            }
+            _ => self.albedo(),
+        }
     }
 }
 

@@ -32,7 +32,6 @@ use glam::{Vec2, Vec3A};
 pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use layers::FacetTable;
-use layers::schlick_rise;
 pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
 pub(crate) use sheet::Sheet;
@@ -355,19 +354,6 @@ impl Bsdf<'_> {
                     eta,
                 })
             }
-        }
-    }
-
-    /// Rough estimate of the share of light that is reflected but by a Lambertian part.
-    pub(crate) fn reflectance(&self) -> Rgb {
-        match &self.model {
-            Model::Glossy(m) => m.specular,
-            Model::RoughCoat(m) => m.reflectance(self.wo),
-            Model::MetallicRoughness(m) => {
-                let Parts { specular, grazing, .. } = m.parts(self.wo);
-                specular + (grazing - specular) * schlick_rise(self.wo.z)
-            }
-            _ => self.albedo(),
         }
     }
 

@@ -124,7 +124,7 @@ pub fn noise(scene: &mut Scene, low: f32, high: f32, to_uv: Affine2) -> FloatTex
 
 /// Draws with tables of families alone: none is fitted.
 pub fn drawn(world: &World, allowed: Allowed) -> (Policy, Picture, Figures, Caches) {
-    let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.clone()));
+    let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.recipe_text()));
     let policy = policy.expect("every lobe is of a family");
     let settings = Settings {
         tolerance: Some(0.05),

@@ -35,6 +35,9 @@ impl Serialize for Treatment {
     }
 }
 
+/// The materials of the components of one, and how each is treated, if not as it is on its own.
+type Components = Box<[(MaterialId, Option<Finish>)]>;
+
 /// Treatment of every material.
 #[derive(Clone, Debug, Default)]
 pub struct Policy {
@@ -48,8 +51,8 @@ pub struct Policy {
     makers: Vec<Treatment>,
     /// By material.
     grades: Vec<Option<Grades>>,
-    /// By material that shapes have: the materials of its components and how each is treated, if not as it is on its own.
-    components: Vec<Option<Box<[(MaterialId, Option<Finish>)]>>>,
+    /// By material that shapes have.
+    components: Vec<Option<Components>>,
     /// Whether the base of a material is held without what it reflects besides.
     splits: Vec<bool>,
     /// One line for each glossy material, for people.
@@ -205,7 +208,7 @@ impl Policy {
     }
 
     /// The components of one of them: lobes that are the same everywhere by width, and what is diffuse with the broadest.
-    fn joined(&mut self, of: &[MaterialId], irradiance: Finish) -> Box<[(MaterialId, Option<Finish>)]> {
+    fn joined(&mut self, of: &[MaterialId], irradiance: Finish) -> Components {
         let own = |id: &MaterialId| self.treatments[id.0 as usize];
         let mut lobes: Vec<(f32, MaterialId)> = (of.iter())
             .filter_map(|id| match own(id) {
