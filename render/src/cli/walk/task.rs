@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 
 /// Share of `--time-per-frame` for filling the caches, as it is planned; and at most, where even a coarse fill takes longer. What is not
 /// filled is path traced in every frame, which takes more time than filling it.
-const FILL_SHARE: f64 = 0.25;
+const FILL_SHARE: f64 = 0.12;
 const LONGEST_FILL: f64 = 0.6;
 
 /// How well frames are denoised: the same for all, whoever draws them and in whatever time.
@@ -106,7 +106,9 @@ impl Task<'_> {
         let (policy, fitting) = decide(caching, &self.world)?;
         self.stats.seconds.fit = fitting.as_secs_f64();
         let filling = Instant::now();
-        let rendering = Rendering::new(&self.world, &policy, &caching.settings).reading(Reading::Few);
+        let rendering = Rendering::new(&self.world, &policy, &caching.settings)
+            .reading(Reading::Few)
+            .denoised(self.denoiser.is_some());
         let mut tolerance = caching.tolerance;
         let key = Key::new(&self.world, &policy, &caching.settings, tolerance);
         let mut kept = Kept::open(caching.file.as_deref(), self.args.frames_only)?;

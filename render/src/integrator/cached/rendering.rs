@@ -7,7 +7,7 @@ use super::passes::Passes;
 use super::points::PixelCone;
 use super::policy::Policy;
 use super::settings::{Knobs, Quality};
-use super::shade::{LightSplit, Reading, Shader};
+use super::shade::{LightSplit, Paths, Reading, Shader};
 use super::surface::Grouping;
 use crate::cache::Density;
 use crate::picture::{Budget, Picture};
@@ -29,6 +29,7 @@ pub struct Rendering<'a> {
     knobs: Knobs,
     split: LightSplit,
     reading: Reading,
+    paths: Paths,
 }
 
 impl<'a> Rendering<'a> {
@@ -40,7 +41,7 @@ impl<'a> Rendering<'a> {
     /// With other numbers.
     pub(super) fn with(world: &World, policy: &'a Policy, settings: &Settings, knobs: &Knobs) -> Self {
         let split = LightSplit::new(world, settings.indirect_only);
-        Self { policy, settings: *settings, knobs: *knobs, split, reading: Reading::default() }
+        Self { policy, settings: *settings, knobs: *knobs, split, reading: Reading::default(), paths: Paths::SMOOTH }
     }
 
     /// The same, where these pixels read records.
@@ -50,6 +51,11 @@ impl<'a> Rendering<'a> {
 
     fn quality(&self, tolerance: f32) -> Quality {
         self.settings.quality(&self.knobs, tolerance)
+    }
+
+    /// The same, for pictures that a denoiser will see, or not.
+    pub fn denoised(self, denoised: bool) -> Self {
+        Self { paths: if denoised { Paths::DENOISED } else { Paths::SMOOTH }, ..self }
     }
 
     /// Adds to caches, until the deadline, what the camera of the world needs at τ.
@@ -120,6 +126,7 @@ impl<'a> Rendering<'a> {
             cone: PixelCone::new(&world.scene.camera),
             grouping: Grouping::new(world.scene.camera.lens.is_some()),
             reading: self.reading,
+            paths: self.paths,
         };
         let settings = Settings { budget, seed, ..self.settings };
         Passes::new(&shader, &settings).run(start, progress)
