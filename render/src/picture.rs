@@ -99,6 +99,16 @@ pub struct Radiance {
 }
 
 impl Radiance {
+    /// No light and no surface.
+    pub const NONE: Self = Self {
+        emission: Rgb::ZERO,
+        direct: Split::ZERO,
+        indirect: Split::ZERO,
+        albedo: Rgb::ZERO,
+        normal: Vec3A::ZERO,
+        distance: 0.0,
+    };
+
     /// Light of all ways.
     #[inline]
     pub fn sum(&self) -> Rgb {

@@ -104,7 +104,7 @@ impl CoatTable {
     }
 
     #[inline]
-    fn transmittance(&self, cos: f32) -> f32 {
+    pub fn transmittance(&self, cos: f32) -> f32 {
         let x = cos.clamp(0.0, 1.0) * (Self::NODES - 1) as f32;
         let i = (x as usize).min(Self::NODES - 2);
         self.transmittance[i] + (self.transmittance[i + 1] - self.transmittance[i]) * (x - i as f32)
@@ -127,6 +127,13 @@ impl RoughCoat<'_> {
     pub fn base_albedo(&self, wo: Vec3A) -> Rgb {
         let through = self.table.transmittance(wo.z) * self.table.mean_transmittance();
         base(self.diffuse, self.table.internal, self.nonlinear, self.eta) * (through * PI)
+    }
+
+    /// Albedo of the base at this view under light that has passed the coat already, and the probability of sampling the reflection.
+    #[inline(always)]
+    pub fn base_at(&self, wo: Vec3A) -> (Rgb, f32) {
+        let (t, p_specular) = self.choose(wo);
+        (base(self.diffuse, self.table.internal, self.nonlinear, self.eta) * (t * PI), p_specular)
     }
 
     /// Transmittance at the view, and the probability of sampling the reflection.
