@@ -1,8 +1,8 @@
 //! From an integrator to a picture: passes over all pixels in parallel until a budget is spent.
 
 use crate::camera::RayGenerator;
-use crate::integrator::Integrator;
-use crate::picture::{Budget, Picture, Pixel, first_half};
+use crate::integrator::{Integrator, Start};
+use crate::picture::{Budget, Picture, Pixel, Radiance, first_half};
 use crate::sampler::Sampler;
 use crate::scene::Rgb;
 use crate::simd::widest;
@@ -53,14 +53,25 @@ pub fn render<I: Integrator>(
         let (from, to) = (picture.spp, picture.spp + pass);
         let rows = AtomicU64::new(0);
         let sample_row = |(y, row): (usize, &mut [Pixel])| {
-            let mut queries = Queries::default();
+            let (mut queries, mut batch) = (Queries::default(), Batch::default());
             widest(
                 level,
                 #[inline(always)]
                 || {
-                    for (x, pixel) in row.iter_mut().enumerate() {
-                        let at = (window.x + x as u32, window.y + y as u32);
-                        sample_pixel(world, integrator, &camera, seed, at, from..to, pixel, &mut queries);
+                    let chunk = BATCH.div_ceil(pass as usize);
+                    for (i, pixels) in row.chunks_mut(chunk).enumerate() {
+                        let corner = (window.x + (i * chunk) as u32, window.y + y as u32);
+                        sample_pixels(
+                            world,
+                            integrator,
+                            &camera,
+                            seed,
+                            corner,
+                            from..to,
+                            pixels,
+                            &mut queries,
+                            &mut batch,
+                        );
                     }
                 },
             );
@@ -82,38 +93,59 @@ pub fn render<I: Integrator>(
     }
 }
 
-/// Adds the samples of the given indices to a pixel.
+/// Paths that are followed together, at least, where a row has so many.
+const BATCH: usize = 1024;
+
+/// Memory of [`sample_pixels`], reused from chunk to chunk.
+#[derive(Default)]
+struct Batch {
+    starts: Vec<Start>,
+    samples: Vec<Radiance>,
+}
+
+/// Adds the samples of the given indices to neighbouring pixels of a row, the first of them at `corner`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn sample_pixel<I: Integrator>(
+fn sample_pixels<I: Integrator>(
     world: &World,
     integrator: &I,
     camera: &RayGenerator,
     seed: u64,
-    (x, y): (u32, u32),
+    corner: (u32, u32),
     indices: core::ops::Range<u32>,
-    pixel: &mut Pixel,
+    pixels: &mut [Pixel],
     queries: &mut Queries,
+    Batch { starts, samples }: &mut Batch,
 ) {
-    let count = indices.len() as f32;
-    let middle = indices.start + first_half(indices.end) - first_half(indices.start);
-    let mut pass = Rgb::ZERO;
-    let of_pixel = Sampler::new(seed, (x, y), 0);
-    for index in indices {
-        let mut sampler = of_pixel.with_index(index);
-        let ray = camera.sample(x, y, &mut sampler);
-        queries.counts.paths += 1;
-        let mut sample = integrator.radiance(world, ray, &mut sampler, queries).finite(queries);
-        if sample.distance > 0.0 {
-            sample.distance = camera.depth(ray.origin + ray.direction * sample.distance);
-            pixel.surfaces += 1;
-        }
-        let light = sample.sum();
-        pixel.squares += (light.element_sum() * (1.0 / 3.0)).powi(2);
-        pass += light;
-        pixel.add(sample, index < middle);
+    starts.clear();
+    for i in 0..pixels.len() as u32 {
+        let (x, y) = (corner.0 + i, corner.1);
+        let of_pixel = Sampler::new(seed, (x, y), 0);
+        starts.extend(indices.clone().map(|index| {
+            let mut sampler = of_pixel.with_index(index);
+            Start { ray: camera.sample(x, y, &mut sampler), sampler }
+        }));
     }
-    pixel.add_pass(pass, count);
+    queries.counts.paths += starts.len() as u64;
+    integrator.radiances(world, starts, queries, samples);
+    let count = indices.len();
+    let first_half = (first_half(indices.end) - first_half(indices.start)) as usize;
+    for (i, pixel) in pixels.iter_mut().enumerate() {
+        let range = i * count..(i + 1) * count;
+        let mut pass = Rgb::ZERO;
+        for (k, (start, sample)) in starts[range.clone()].iter().zip(&samples[range]).enumerate() {
+            let mut sample = sample.finite(queries);
+            if sample.distance > 0.0 {
+                sample.distance = camera.depth(start.ray.origin + start.ray.direction * sample.distance);
+                pixel.surfaces += 1;
+            }
+            let light = sample.sum();
+            pixel.squares += (light.element_sum() * (1.0 / 3.0)).powi(2);
+            pass += light;
+            pixel.add(sample, k < first_half);
+        }
+        pixel.add_pass(pass, count as f32);
+    }
 }
 
 /// Samples of the next pass and, where known, of the whole rendering; `None` when the budget is spent.

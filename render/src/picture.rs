@@ -121,6 +121,16 @@ pub struct Radiance {
 const RADIANCE: usize = 22;
 
 impl Radiance {
+    /// No light and no surface.
+    pub const NONE: Self = Self {
+        emission: Rgb::ZERO,
+        direct: Split::ZERO,
+        indirect: Split::ZERO,
+        albedo: Rgb::ZERO,
+        normal: Vec3A::ZERO,
+        distance: 0.0,
+    };
+
     /// Its numbers, one after the other.
     #[inline(always)]
     fn packed(&self) -> [f32; RADIANCE] {

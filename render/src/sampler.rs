@@ -1,7 +1,10 @@
 //! Sample points as a pure function of (seed, pixel, sample, dimension): the picture does not depend on the number of
 //! threads, on the tile order or on where a rendering was interrupted.
 
+mod lanes;
+
 use glam::Vec2;
+pub(crate) use lanes::Samplers;
 
 /// Owen-scrambled Sobol points in independent pairs of dimensions, padded by shuffling the index (Burley 2020,
 /// "Practical hash-based Owen scrambling").

@@ -5,6 +5,7 @@
 //! `tests/peers/embree.py` compares.
 
 mod export;
+mod paths;
 mod shading;
 mod subjects;
 mod traversal;

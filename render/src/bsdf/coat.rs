@@ -112,7 +112,7 @@ impl CoatTable {
     }
 
     #[inline]
-    fn transmittance(&self, cos: f32) -> f32 {
+    pub fn transmittance(&self, cos: f32) -> f32 {
         let x = cos.clamp(0.0, 1.0) * (Self::NODES - 1) as f32;
         let i = (x as usize).min(Self::NODES - 2);
         self.transmittance[i] + (self.transmittance[i + 1] - self.transmittance[i]) * (x - i as f32)
@@ -140,6 +140,13 @@ impl RoughCoat<'_> {
     /// What the coat does not let pass at this view.
     pub fn reflectance(&self, wo: Vec3A) -> Rgb {
         self.specular * (1.0 - self.table.transmittance(wo.z))
+    }
+
+    /// Albedo of the base at this view under light that has passed the coat already, and the probability of sampling the reflection.
+    #[inline(always)]
+    pub fn base_at(&self, wo: Vec3A) -> (Rgb, f32) {
+        let (t, p_specular) = self.choose(wo);
+        (base(self.diffuse, self.table.internal, self.nonlinear, self.eta) * (t * PI), p_specular)
     }
 
     /// Transmittance at the view, and the probability of sampling the reflection.

@@ -21,6 +21,18 @@ impl Facets {
         Self { distribution, alpha: alpha.max(Vec2::splat(MIN_ALPHA)) }
     }
 
+    /// Roughness along x and y.
+    #[inline]
+    pub fn alpha(&self) -> Vec2 {
+        self.alpha
+    }
+
+    /// Which distribution.
+    #[inline]
+    pub fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
     /// D G₁(wi) G₁(wo) / (4 cosθi cosθo) for directions of the upper hemisphere, by the formula of `brdf-tables`.
     #[inline]
     pub fn reflection(&self, wo: Vec3A, wi: Vec3A) -> f32 {

@@ -23,6 +23,12 @@ impl Media {
     /// Outside of all.
     pub const NONE: Self = Self { inside: [Rgb::ZERO; Self::MOST], count: 0 };
 
+    /// Whether the path is outside of all.
+    #[inline]
+    pub fn is_none(&self) -> bool {
+        self.count == 0
+    }
+
     /// Share of light left after a way of this length inside, from a surface that ends it.
     #[inline]
     pub fn left(&self, length: f32) -> Rgb {

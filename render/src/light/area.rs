@@ -3,7 +3,7 @@
 use super::sphere::SphereLamp;
 use super::tree::LightBounds;
 use super::{LightSample, Target, mean};
-use crate::scene::{AreaEmitter, ColorTexture, Coordinates, Mesh, Opacity, Sphere, Texture};
+use crate::scene::{AreaEmitter, ColorTexture, Coordinates, Mesh, Opacity, Rgb, Sphere, Texture};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3A, Vec4};
 
@@ -40,6 +40,20 @@ pub(super) struct Surface {
     mean_radiance: f32,
     /// Share of the surface that is there, where it has holes.
     opacity: Option<Opacity>,
+}
+
+/// An even flat lamp for code in lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlatLamp {
+    pub p0: Vec3A,
+    pub e1: Vec3A,
+    pub e2: Vec3A,
+    pub normal: Vec3A,
+    pub radiance: Rgb,
+    pub area: f32,
+    pub clearance: f32,
+    /// A parallelogram, otherwise a triangle.
+    pub square: bool,
 }
 
 /// Largest deviation of the fourth corner of a parallelogram, relative to its diagonal.
@@ -171,6 +185,28 @@ impl Surface {
             radiance: self.radiance.eval(textures, at) * opacity,
             pdf: pdf * probability,
             delta: false,
+        })
+    }
+
+    /// What [`Surface::sample`] needs where the surface is flat, even and without holes.
+    #[inline]
+    pub fn flat(&self) -> Option<FlatLamp> {
+        let (p0, e1, e2, square) = match self.form {
+            Form::Parallelogram { p0, e1, e2 } => (p0, e1, e2, true),
+            Form::Triangle { p0, e1, e2 } => (p0, e1, e2, false),
+            Form::Sphere(_) => return None,
+        };
+        let ColorTexture::Constant(radiance) = self.radiance else { return None };
+        let Self { normal, area, clearance, .. } = *self;
+        (self.opacity.is_none() && area > 0.0).then_some(FlatLamp {
+            p0,
+            e1,
+            e2,
+            normal,
+            radiance,
+            area,
+            clearance,
+            square,
         })
     }
 

@@ -8,6 +8,7 @@ mod tree;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
 use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Opacity, Rgb, Scene, Texture};
+pub(crate) use area::FlatLamp;
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 use environment::MapSampler;
@@ -71,6 +72,17 @@ impl FirstEmitter {
     pub fn of_triangle(self, index: u32) -> u32 {
         if self.per_triangle { self.base + index } else { self.base }
     }
+}
+
+/// A light chosen for a receiver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choice {
+    /// Number among those with a place, or among those at infinity.
+    pub index: usize,
+    /// Whether the light has a place.
+    pub local: bool,
+    /// Probability of the choice.
+    pub probability: f32,
 }
 
 /// A light with a place.
@@ -166,6 +178,13 @@ impl Lights {
         u_choice: f32,
         u: Vec2,
     ) -> Option<LightSample> {
+        let choice = self.choose(receiver, u_choice)?;
+        self.sample_chosen(textures, receiver, choice, u)
+    }
+
+    /// Chooses the light for [`Lights::sample`].
+    #[inline(always)]
+    pub(crate) fn choose(&self, receiver: &LightSampleContext, u_choice: f32) -> Option<Choice> {
         let mut u_choice = u_choice;
         let mut tree_probability = 1.0;
         let infinite = self.infinite_count();
@@ -173,13 +192,38 @@ impl Lights {
             let each = self.infinite_probability();
             let index = (u_choice / each) as usize;
             if index < infinite {
-                return Some(self.sample_infinite(receiver, index, each, u)).filter(|s| s.pdf > 0.0);
+                return Some(Choice { index, local: false, probability: each });
             }
             tree_probability = each;
             u_choice = ((u_choice - infinite as f32 * each) / each).clamp(0.0, 1.0 - f32::EPSILON);
         }
         let (index, probability) = self.tree.sample(receiver, u_choice)?;
-        self.sample_local(textures, receiver, index as usize, tree_probability * probability, u)
+        Some(Choice { index: index as usize, local: true, probability: tree_probability * probability })
+    }
+
+    /// Samples a direction to the light that was chosen.
+    #[inline(always)]
+    pub(crate) fn sample_chosen(
+        &self,
+        textures: &[Texture],
+        receiver: &LightSampleContext,
+        Choice { index, local, probability }: Choice,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        if local {
+            self.sample_local(textures, receiver, index, probability, u)
+        } else {
+            Some(self.sample_infinite(receiver, index, probability, u)).filter(|s| s.pdf > 0.0)
+        }
+    }
+
+    /// The light that was chosen, if it is an even flat lamp.
+    #[inline(always)]
+    pub(crate) fn flat(&self, choice: &Choice) -> Option<FlatLamp> {
+        if !choice.local {
+            return None;
+        }
+        if let Local::Surface(surface) = &self.local[choice.index] { surface.flat() } else { None }
     }
 
     /// Samples light number `index` (locals first), chosen with `probability`: the plain way, used by the twin of the
