@@ -146,9 +146,6 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
     }
     let args = &*args;
     pool.install(|| {
-        if let Some(note) = denoiser.as_ref().and_then(Denoiser::note) {
-            eprintln!("render: denoised by builtin ({note})");
-        }
         let Job { mut world, engine, budget, seed, indirect_only, look, views, .. } =
             Job::new(&args.image, &reading, denoiser.as_ref(), |read| files.check(args, read))?;
         let place = || args.path.display().to_string();
@@ -168,6 +165,9 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
         }
         let camera = world.scene.camera.clone();
         walk.change(|frame| (frame.film, frame.lens) = (camera.film.clone(), camera.lens));
+        if let Some(note) = denoiser.as_ref().and_then(Denoiser::note) {
+            eprintln!("render: frames are denoised by builtin ({note})");
+        }
         let mut stats = Stats::new(args.image.method.name(), pool.current_num_threads(), start.elapsed());
         stats.path_frames = walk.frames().end() - walk.frames().start() + 1;
         let mut task = Task { args, world, walk, files, look, denoiser, seed, indirect_only, budget, start, stats };
