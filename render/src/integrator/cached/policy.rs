@@ -94,8 +94,9 @@ impl Policy {
             };
             // Where its lobe is too sharp for glossy records, its base is not.
             let traced = grades.is_none() && treatment == Treatment::Traced;
-            let glossy = policy.asked.iter().any(|&asked| asked) || is_coated(material);
-            policy.splits.push(bases && traced && glossy && has_base(material));
+            // Below a mirror that pays; below a lobe no error was saved, and lamps in it became fireflies.
+            let everywhere = allowed != Allowed::Auto && policy.asked.iter().any(|&asked| asked);
+            policy.splits.push(bases && traced && (everywhere || is_coated(material)) && has_base(material));
             notes.push(note.map(|note| format!("{}: {note}", name(scene, i))));
             (policy.treatments[i], policy.makers[i]) = (treatment, treatment);
             policy.grades.push(grades);
@@ -349,9 +350,11 @@ pub fn outlook(material: &Material) -> String {
     if Graded::of(material).is_some() {
         return "EAS records where its lobe, which a texture gives, is wide enough".into();
     }
-    let outlook = match specular(material) {
+    if is_coated(material) && has_base(material) {
+        return "irradiance records below a mirror, path traced where the picture is denoised".into();
+    }
+    match specular(material) {
         Ok(specular) => KINDS.iter().find_map(|kind| (kind.outlook)(&specular)).unwrap_or_else(|| "path traced".into()),
         Err(reason) => format!("path traced ({reason})"),
-    };
-    if has_base(material) { outlook.replacen("path traced", BASE, 1) } else { outlook }
+    }
 }
