@@ -158,7 +158,7 @@ fn a_film_that_does_not_fit_is_refused() {
     let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(f.folder.path()).output().unwrap();
     let err = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{err}");
-    assert!(err.contains("a film of 8192 × 8192 pixels needs 35.") && err.contains("--crop"), "{err}");
+    assert!(err.contains("a film of 8192 × 8192 pixels needs 10.") && err.contains("--crop"), "{err}");
     assert_eq!(err.lines().count(), 1, "{err}");
 }
 

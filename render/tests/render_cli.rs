@@ -76,11 +76,12 @@ fn layers_add_up() {
     let layers =
         ["emission.G", "direct.diffuse.G", "direct.glossy.G", "indirect.diffuse.G", "indirect.glossy.G"].map(get);
     for (i, w) in whole.iter().enumerate() {
-        assert!((layers.iter().map(|l| l[i]).sum::<f32>() - w).abs() < 1e-5);
+        // Layers have 11 bits.
+        assert!((layers.iter().map(|l| l[i]).sum::<f32>() - w).abs() <= w.abs().max(1e-3) / 2048.0);
     }
     let (albedo, z, depth) = (get("albedo.G"), get("normal.Z"), get("depth.Z"));
     let centre = 8 * 24 + 12;
-    assert!((albedo[centre] - 0.6).abs() < 1e-5 && z[centre] > 0.9 && (depth[centre] - 3.0).abs() < 0.1);
+    assert!((albedo[centre] - 0.6).abs() < 1e-3 && z[centre] > 0.9 && (depth[centre] - 3.0).abs() < 0.1);
     assert!(depth[0].is_infinite() && albedo[0] == 0.0);
 }
 

@@ -89,6 +89,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     ensure!(set.is_none(), "{} is set by the chart: leave it out after --", set.unwrap_or_default());
     check_folder(&args.output)?;
     let work = Work { args, frames };
+    work.line(&args.output, &[])?;
     let references = work.references()?;
     let mut measured: Vec<Measured> = Vec::new();
     for &seconds in &args.time_per_frame {

@@ -108,16 +108,23 @@ impl Work<'_> {
 
     /// Runs `render walk` for the frames of the chart.
     fn draw(&self, folder: &Path, options: &[String]) -> Result<()> {
+        walk::run(&mut self.line(folder, options)?.args).map(drop)
+    }
+
+    /// The command line of `render walk` for the frames of the chart.
+    ///
+    /// # Errors
+    /// An option after `--` that it does not understand.
+    pub fn line(&self, folder: &Path, options: &[String]) -> Result<WalkLine> {
         let Args { scene, path: camera, options: given, .. } = self.args;
         let frames: Vec<String> = self.frames.iter().map(u32::to_string).collect();
         let mut line = vec![path(scene)?, "--path".into(), path(camera)?, "--frames".into(), frames.join(",")];
         line.extend(["-o".into(), path(&folder.join("####.exr"))?]);
         line.extend(options.iter().chain(given).cloned());
-        let mut walk = WalkLine::try_parse_from(&line).map_err(|e| {
+        WalkLine::try_parse_from(&line).map_err(|e| {
             let text = e.to_string();
             anyhow::anyhow!("after --: {}", text.lines().next().unwrap_or_default().trim_start_matches("error: "))
-        })?;
-        walk::run(&mut walk.args).map(drop)
+        })
     }
 
     /// The frames that are in a folder.
