@@ -19,8 +19,8 @@ const SAME_PLACE: f32 = 6.0;
 const ENOUGH: f32 = 4.0;
 
 /// Records whose zones are as many times wider than the (harmonic) mean distance of what a surface sees are not believed there.
-/// Those of the fill are at most 0.5 to 1 times as wide, by corners up to 3 times.
-const HIDDEN: f32 = 4.0;
+/// Those of the fill are at most 0.5 to 1 times as wide, in the last pixel before a corner up to 8 times.
+const HIDDEN: f32 = 8.0;
 
 /// A surface in a pixel: what its samples have in common is shaded once.
 #[derive(Clone, Copy)]
