@@ -8,6 +8,7 @@ mod diffuse;
 pub mod file;
 mod grades;
 mod incident;
+mod indirect;
 mod irradiance;
 mod kind;
 pub mod kinds;
@@ -23,6 +24,7 @@ mod settings;
 mod shade;
 mod site;
 mod sparse;
+mod split;
 mod surface;
 mod views;
 
@@ -45,8 +47,9 @@ pub use probe::{Probe, ProbeError};
 pub use rendering::Rendering;
 pub use report::Figures;
 pub use settings::{Knobs, Quality, TOLERANCE};
-pub use shade::{LightSplit, Reading};
+pub use shade::Reading;
 pub use site::{Gather, Site};
+pub use split::LightSplit;
 use std::time::Instant;
 
 /// What to render with.

@@ -2,9 +2,10 @@
 //! them are used up, then indirect light once per surface in a pixel.
 
 use super::Settings;
+use super::indirect::Indirect;
 use super::kinds::Scratches;
 use super::pace::{PASS, Pace, TRIAL_ROWS};
-use super::shade::{Indirect, Reading, Shader};
+use super::shade::{Reading, Shader};
 use super::sparse;
 use super::surface::Surface;
 use crate::bsdf::Split;

@@ -4,15 +4,16 @@
 use super::caches::Caches;
 use super::diffuse::interpolated;
 use super::incident::{IncidentTracer, sample_light};
+use super::indirect::Indirect;
 use super::kind::{Found, Shaded};
 use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, Walk, see};
 use super::policy::{LobeWidth, Policy, Treatment};
 use super::settings::Quality;
-use super::surface::{Grouping, Surface};
+use super::split::LightSplit;
+use super::surface::{Grouping, Surface, turned};
 use crate::bsdf::{Bsdf, Parts, Split};
 use crate::color::mean_radiance;
-use crate::frame::Frame;
 use crate::integrator::direct::{Left, emission, environment, receiver};
 use crate::integrator::guides;
 use crate::light::Lights;
@@ -22,8 +23,8 @@ use crate::record::Receiver;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::{Interaction, Queries, World};
-use core::ops::{AddAssign, Range};
-use glam::{Vec2, Vec3A};
+use core::ops::Range;
+use glam::Vec2;
 
 /// Shades with filled caches, which it only reads.
 pub struct Shader<'a> {
@@ -59,28 +60,6 @@ pub enum Reading {
     Few,
 }
 
-/// The lights of a world, divided between records and pixels.
-#[derive(Clone, Debug)]
-pub struct LightSplit {
-    /// What records hold: the dim part of the environment.
-    pub held: Option<Environment>,
-    /// All other lights, for the direct light of cached surfaces.
-    pub rest: Lights,
-}
-
-impl LightSplit {
-    /// Divides the lights; with `indirect_only` records hold none.
-    pub fn new(world: &World, indirect_only: bool) -> Self {
-        match &world.scene.environment {
-            Some(environment) if !indirect_only => {
-                let (held, rest) = environment.split();
-                Self { held: Some(held), rest: world.lights.with_environment(rest) }
-            }
-            _ => Self { held: None, rest: world.lights.clone() },
-        }
-    }
-}
-
 /// How many paths a surface gets whose light is not all in records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Paths {
@@ -95,31 +74,6 @@ impl Paths {
     pub const SMOOTH: Self = Self { doubted: 64.0, least: 8.0 };
     /// A denoiser takes the noise away: in a staircase of rough plastics, a third of the time for less error.
     pub const DENOISED: Self = Self { doubted: 4.0, least: 2.0 };
-}
-
-/// Indirect light, summed over samples.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Indirect {
-    /// All of it.
-    pub light: Split,
-    /// What it would be by the first half of the paths alone: records say the same twice.
-    pub half: Rgb,
-}
-
-impl Indirect {
-    /// All of it from records, for all samples of a pixel.
-    #[inline]
-    pub(super) fn held(light: Split) -> Self {
-        Self { light, half: light.sum() }
-    }
-}
-
-impl AddAssign for Indirect {
-    #[inline]
-    fn add_assign(&mut self, other: Self) {
-        self.light = self.light + other.light;
-        self.half += other.half;
-    }
 }
 
 impl Shader<'_> {
@@ -438,10 +392,4 @@ impl WithKind for Read<'_> {
         let Shader { caches, quality, .. } = self.shader;
         kind.reflect(held, K::cache(&caches.glossy), self.surface, quality, K::scratch(self.scratch))
     }
-}
-
-/// The frame of a point turned to the mean normal of its samples.
-fn turned(point: &Point, normal: Vec3A) -> Frame {
-    let x = point.frame.to_world(Vec3A::X);
-    Frame::with_tangent(normal, x)
 }

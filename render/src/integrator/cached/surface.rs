@@ -3,6 +3,7 @@
 use super::points::Point;
 use super::policy::Finish;
 use crate::bsdf::{Bsdf, Parts};
+use crate::frame::Frame;
 use glam::Vec3A;
 
 /// Cosine between normals that are shaded as one (2.6°): a bump that turns more has its own highlight.
@@ -131,4 +132,10 @@ impl Grouping {
         }
         None
     }
+}
+
+/// The frame of a point turned to the mean normal of its samples.
+pub(super) fn turned(point: &Point, normal: Vec3A) -> Frame {
+    let x = point.frame.to_world(Vec3A::X);
+    Frame::with_tangent(normal, x)
 }
