@@ -122,11 +122,9 @@ pub fn noise(scene: &mut Scene, low: f32, high: f32, to_uv: Affine2) -> FloatTex
     FloatTexture::Texture(TextureId(scene.textures.len() as u32 - 1))
 }
 
-/// Draws with tables of families alone: none is fitted.
-pub fn drawn(world: &World, allowed: Allowed) -> (Policy, Picture, Figures, Caches) {
-    let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.recipe_text()));
-    let policy = policy.expect("every lobe is of a family");
-    let settings = Settings {
+/// A fill and samples that tell a percent.
+pub fn settings() -> Settings {
+    Settings {
         tolerance: Some(0.05),
         estimator: Estimator::Improved,
         spacing: Spacing::default(),
@@ -134,7 +132,13 @@ pub fn drawn(world: &World, allowed: Allowed) -> (Policy, Picture, Figures, Cach
         budget: Budget::Samples(48),
         seed: 1,
         indirect_only: false,
-    };
-    let (picture, figures, caches) = render_cached(world, &policy, &settings, None, &|_| ());
+    }
+}
+
+/// Draws with tables of families alone: none is fitted.
+pub fn drawn(world: &World, allowed: Allowed) -> (Policy, Picture, Figures, Caches) {
+    let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.recipe_text()));
+    let policy = policy.expect("every lobe is of a family");
+    let (picture, figures, caches) = render_cached(world, &policy, &settings(), None, &|_| ());
     (policy, picture, figures, caches)
 }

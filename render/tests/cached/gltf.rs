@@ -1,16 +1,14 @@
 //! glTF's metallic-roughness from records: its lobe with Schlick's reflectance, and a furnished room.
 
-use crate::common::{compare, gathered, scenes, table, traced};
+use crate::common::{compare, gathered, scenes, settings, table, traced};
 use brdf_tables::material::Material as Recipe;
 use glam::Vec3A;
 use render::bsdf::Parts;
-use render::cache::Spacing;
 use render::frame::Frame;
 use render::hemisphere::{Incident, hemisphere_directions};
 use render::inspect::{Place, exact, reflected};
 use render::integrator::cached::policy::{Allowed, Policy, outlook, specular};
-use render::integrator::cached::{Settings, render_cached};
-use render::picture::Budget;
+use render::integrator::cached::render_cached;
 use render::record::eas::{EasRecord, Estimator};
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
 use render::record::{Albedo, Centroid, CutSettings, Record, Reflector, Tree, cut};
@@ -105,18 +103,6 @@ fn room(width: u32) -> World {
     assert!(warnings.is_empty(), "the room is read without warnings");
     (scene.camera.film.width, scene.camera.film.height) = (width, width * 9 / 16);
     World::new(scene).expect("the room is valid")
-}
-
-fn settings() -> Settings {
-    Settings {
-        tolerance: Some(0.05),
-        estimator: Estimator::Improved,
-        spacing: Spacing::default(),
-        sources: None,
-        budget: Budget::Samples(48),
-        seed: 1,
-        indirect_only: false,
-    }
 }
 
 /// The floor, wood, ceramics and metals of the room shine from EAS records, its walls from irradiance; every method agrees
