@@ -39,6 +39,7 @@ pub fn render<I: Integrator>(
         pixels: vec![Pixel::default(); count],
         spp: 0,
         passes: 0,
+        outline_rays: 0,
         counts: Counts::default(),
         from_records: false,
         denoised: None,

@@ -17,6 +17,7 @@ pub mod light;
 mod math;
 pub mod memory;
 pub mod metric;
+pub mod outlines;
 pub mod picture;
 pub mod ray;
 pub mod record;

@@ -92,6 +92,9 @@ pub struct Picture {
     pub spp: u32,
     /// Passes that took them.
     pub passes: u32,
+    /// Camera rays that tell of what a pixel at an outline shows, where they are more than its samples
+    /// ([`crate::outlines::refine`]).
+    pub outline_rays: u32,
     /// Rays, and how many paths were dropped.
     pub counts: Counts,
     /// Whether indirect light comes from records, which have no noise, wherever they reach.

@@ -1,8 +1,10 @@
 //! `--denoise`: which denoiser, and what it did.
 
+use super::job::Job;
 use super::stats::Stats;
 use anyhow::{Result, bail};
 use render::denoise::{Choice, Denoiser, Effort};
+use render::outlines::{self, GUIDES};
 use render::picture::Picture;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -56,12 +58,19 @@ impl Denoising {
     }
 }
 
-/// Denoises a picture, and tells what was done; the picture stays noisy where that fails.
+/// Denoises a picture of a job, and tells what was done; the picture stays noisy where that fails.
 ///
 /// # Errors
 /// What the library says.
-pub(super) fn apply(denoiser: &Denoiser, effort: Effort, picture: &mut Picture, stats: &mut Stats) -> Result<()> {
+pub(super) fn apply(
+    denoiser: &Denoiser,
+    effort: Effort,
+    job: &Job,
+    picture: &mut Picture,
+    stats: &mut Stats,
+) -> Result<()> {
     let start = Instant::now();
+    outlines::refine(&job.world, picture, (job.seed, job.indirect_only), GUIDES);
     let bounded = denoiser.denoise(picture, effort)?;
     let seconds = start.elapsed().as_secs_f64();
     stats.denoised(denoiser.name(), seconds, bounded);

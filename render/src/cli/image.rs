@@ -151,7 +151,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         eprintln!("render: warning: {warning}");
     }
     let denoised = match (&denoiser, job.effort) {
-        (Some(denoiser), Some(effort)) => pool.install(|| denoise::apply(denoiser, effort, &mut picture, &mut stats)),
+        (Some(denoiser), Some(effort)) => {
+            pool.install(|| denoise::apply(denoiser, effort, &job, &mut picture, &mut stats))
+        }
         _ => Ok(()),
     };
     outputs::write(args, &job, &picture, records.as_ref(), &mut stats, start)?;

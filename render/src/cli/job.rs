@@ -11,6 +11,7 @@ use render::denoise::{Denoiser, Effort};
 use render::image::Look;
 use render::integrator::cached::policy::Allowed;
 use render::integrator::cached::{Settings, TOLERANCE};
+use render::outlines;
 use render::picture::{Budget, require_memory};
 use render::record::harmonics::HarmonicsSettings;
 use render::scene::load::{self, Loaded, Options};
@@ -98,9 +99,9 @@ impl Job {
         if let Some(depth) = args.max_depth {
             scene.integrator.max_depth = depth;
         }
-        let (effort, denoising) = denoising(args, &scene, denoiser)?;
-        let budget = budget(args, &scene, denoising);
         let mut world = World::new(scene).with_context(place)?;
+        let (effort, denoising) = denoising(args, &world, denoiser)?;
+        let budget = budget(args, &world.scene, denoising);
         if let Some(focus) = args.optics.apply(&mut world)? {
             eprintln!("render: focused at {focus}, on what the middle of the picture shows");
         }
@@ -151,13 +152,14 @@ impl Engine {
 }
 
 /// How well to denoise, and the seconds that it takes, with those of finding out.
-fn denoising(args: &Args, scene: &Scene, denoiser: Option<&Denoiser>) -> Result<(Option<Effort>, f64)> {
+fn denoising(args: &Args, world: &World, denoiser: Option<&Denoiser>) -> Result<(Option<Effort>, f64)> {
     let Some(denoiser) = denoiser else { return Ok((None, 0.0)) };
     let Some(seconds) = args.time else { return Ok((Some(Effort::High), 0.0)) };
-    let film = scene.camera.film.window();
+    let film = world.scene.camera.film.window();
     let start = Instant::now();
     let plan = denoiser.plan(u64::from(film.width) * u64::from(film.height), Some(seconds))?;
-    Ok((Some(plan.effort), plan.seconds + start.elapsed().as_secs_f64()))
+    let outlines = outlines::seconds(world, seconds - plan.seconds);
+    Ok((Some(plan.effort), plan.seconds + outlines + start.elapsed().as_secs_f64()))
 }
 
 /// About what it takes to write a picture to these files.

@@ -1,5 +1,6 @@
 //! What is denoised: light by the way it took, and the guides that tell where it may change.
 
+use crate::outlines::GUIDE_RAYS;
 use crate::picture::{Picture, Pixel, first_half};
 use crate::scene::Rgb;
 use rayon::prelude::*;
@@ -30,6 +31,8 @@ pub struct Layers {
     pub albedo: Vec<[f32; 3]>,
     /// Mean of its unit normals; zero where there is none.
     pub normal: Vec<[f32; 3]>,
+    /// Whether albedo and normals have little noise.
+    pub clean_guides: bool,
 }
 
 impl Layers {
@@ -54,6 +57,7 @@ impl Layers {
             indirect,
             albedo,
             normal: picture.mean(|p| p.sum().normal),
+            clean_guides: picture.spp.max(picture.outline_rays) >= GUIDE_RAYS,
         }
     }
 
@@ -71,6 +75,7 @@ impl Layers {
             indirect: layer(41),
             albedo: pixels(1),
             normal: pixels(1),
+            clean_guides: true,
         }
     }
 

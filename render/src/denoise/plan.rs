@@ -7,32 +7,33 @@ use std::time::Instant;
 /// How much work a denoiser puts into a picture. Our own has one way only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Open Image Denoise's usual network.
+    /// Open Image Denoise's fast network.
+    Least,
+    /// Its usual one.
     Low,
-    /// Its large one, which takes albedo and normal as they are.
-    Medium,
-    /// The same, after albedo and normal were denoised.
+    /// Its large one.
     High,
 }
 
 impl Effort {
-    /// Time for so many layers, in that of the usual network for one layer (measured: 2.3 to 2.6 for the large one).
+    /// Time for so many layers, in that of the usual network for one layer (measured: .48 to .51 for the fast one, 2.3 to 2.6 for
+    /// the large one).
     fn cost(self, layers: usize) -> f64 {
         let layers = layers as f64;
         match self {
+            Self::Least => 0.5 * layers,
             Self::Low => layers,
-            Self::Medium => 2.5 * layers,
-            Self::High => 2.5 * layers + 2.0,
+            Self::High => 2.5 * layers,
         }
     }
 
-    /// Largest share of a time budget that it is worth. The large network has .65 to .95 of the error of the usual one, clean
-    /// guides another .9 to 1; samples that the same time would buy lower it with time^−0.5 to time^−0.7. (Measured: at a fifth to a
-    /// third of the budget the large network draws level on five scenes, on the wooden staircase it has .7 of the error there.)
+    /// Largest share of a time budget that it is worth. Measured with clean guides, 2 and 8 samples, three rooms: the large network
+    /// has .88 to 1 of the error of the usual one, the fast one 1.07 to 1.2 times that; samples that the same time would buy
+    /// lower it with time^−0.5 to time^−0.7.
     fn worth(self) -> f64 {
         match self {
-            Self::Low => 1.0,
-            Self::Medium => 0.2,
+            Self::Least => 1.0,
+            Self::Low => 0.4,
             Self::High => 0.1,
         }
     }
@@ -116,7 +117,7 @@ impl Rate {
 fn choose(unit: f64, seconds: Option<f64>) -> Plan {
     let plan = |effort: Effort| Plan { effort, seconds: unit * effort.cost(LAYERS) };
     let pays = |effort: &Effort| seconds.is_none_or(|s| unit * effort.cost(LAYERS) <= s * effort.worth());
-    plan([Effort::High, Effort::Medium].into_iter().find(pays).unwrap_or(Effort::Low))
+    plan([Effort::High, Effort::Low].into_iter().find(pays).unwrap_or(Effort::Least))
 }
 
 #[cfg(test)]
@@ -125,9 +126,10 @@ mod tests {
 
     #[test]
     fn effort_follows_the_time() {
-        let efforts = [0.1, 2.4, 4.0, 10.0].map(|s| choose(0.1, Some(s)).effort);
-        assert_eq!(efforts, [Effort::Low, Effort::Low, Effort::Medium, Effort::High]);
+        let efforts = [0.1, 0.51, 4.9, 5.1].map(|s| choose(0.1, Some(s)).effort);
+        assert_eq!(efforts, [Effort::Least, Effort::Low, Effort::Low, Effort::High]);
         assert_eq!(choose(0.1, None).effort, Effort::High);
         assert!((choose(0.1, Some(1.0)).seconds - 0.2).abs() < 1e-9);
+        assert!((choose(0.1, Some(0.3)).seconds - 0.1).abs() < 1e-9);
     }
 }

@@ -245,7 +245,8 @@ mod tests {
             pixel.surfaces = 1;
         }
         let (counts, denoised, from_records) = (Counts::default(), None, false);
-        Picture { width: 3, height: 2, corner: [0, 0], pixels, spp: 1, passes: 1, counts, from_records, denoised }
+        let (width, height, corner) = (3, 2, [0, 0]);
+        Picture { width, height, corner, pixels, spp: 1, passes: 1, outline_rays: 0, counts, from_records, denoised }
     }
 
     /// Channels of the file by name, and whether they are in half precision.

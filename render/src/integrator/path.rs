@@ -166,6 +166,23 @@ impl PathTracer {
     }
 }
 
+impl PathTracer {
+    /// What [`Integrator::radiance`] says of emission that the ray sees directly and of the first surface that is not perfectly
+    /// specular, without the light that it scatters.
+    #[inline(always)]
+    pub fn sight(&self, world: &World, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Radiance {
+        let mut path = Path::START;
+        let mut next = (self.settings.max_depth > 0).then_some(ray);
+        while let Some(ray) = next {
+            let hit = queries.intersect(world, &ray);
+            let Some((at, bsdf)) = self.arrive(world, &mut path, &ray, &hit).filter(|_| path.straight) else { break };
+            let points = sampler.next_4x2d(&mut queries.scrambles);
+            next = self.leave(world, &mut path, (&at, &bsdf), points, queries);
+        }
+        path.out
+    }
+}
+
 impl Integrator for PathTracer {
     /// One path step by step: the readable twin of [`Integrator::radiances`].
     #[inline(always)]

@@ -1,9 +1,9 @@
 //! Drawing a frame.
 
-use super::outlines;
 use crate::film;
 use crate::integrator::PathTracer;
 use crate::integrator::cached::{Caches, Rendering};
+use crate::outlines::{self, Of};
 use crate::picture::{Budget, Picture};
 use crate::scene::Camera;
 use crate::world::World;
@@ -30,13 +30,13 @@ pub enum Source<'a> {
 }
 
 impl Source<'_> {
-    /// Draws what the camera of a frame sees, within the budget. Each frame has sample points of its own: noise that stood still on
+    /// Draws what the camera of a frame sees, within the budget, `denoised`: for a denoiser. Each frame has sample points of its own: noise that stood still on
     /// the film would look like dirt on the lens.
     pub fn draw(
         &self,
         world: &mut World,
         (frame, camera): (u32, &Camera),
-        budget: Budget,
+        (budget, denoised): (Budget, bool),
         progress: &(dyn Fn(f64) + Sync),
     ) -> Picture {
         world.scene.camera.clone_from(camera);
@@ -52,9 +52,8 @@ impl Source<'_> {
                 (picture, seed, rendering.settings.indirect_only)
             }
         };
-        if !indirect_only {
-            outlines::refine(world, &mut picture, seed);
-        }
+        let of = Of { emission: !indirect_only, guides: denoised };
+        outlines::refine(world, &mut picture, (seed, indirect_only), of);
         picture
     }
 }

@@ -7,7 +7,6 @@
 mod fill;
 mod frames;
 mod names;
-mod outlines;
 mod path;
 #[cfg(feature = "formats")]
 mod table;

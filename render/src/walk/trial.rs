@@ -49,15 +49,15 @@ pub fn choose_tolerance(world: &mut World, rendering: &Rendering, walk: &Walk, t
     (FIRST_TOLERANCE * share).clamp(SMALLEST_TOLERANCE, FIRST_TOLERANCE)
 }
 
-/// Samples per pixel that frames can have in this time each, by drawing a few of them.
-pub fn choose_samples(world: &mut World, source: &Source, walk: &Walk, time: Duration) -> u32 {
+/// Samples per pixel that frames, denoised or not, can have in this time each without denoising, by drawing a few of them.
+pub fn choose_samples(world: &mut World, source: &Source, walk: &Walk, (time, denoised): (Duration, bool)) -> u32 {
     // What does not grow with the samples, and what each adds.
     let (mut fixed, mut each, mut count) = (0.0, 0.0, 0.0);
     for frame in on_trial(walk) {
         let Some(camera) = walk.camera(frame) else { continue };
         let [few, more] = TRIAL.map(|spp| {
             let start = Instant::now();
-            source.draw(world, (frame, camera), Budget::Samples(spp), &|_| ());
+            source.draw(world, (frame, camera), (Budget::Samples(spp), denoised), &|_| ());
             start.elapsed().as_secs_f64()
         });
         let slope = ((more - few) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);

@@ -90,9 +90,9 @@ impl Task<'_> {
         if let Some(seconds) = self.args.time_per_frame {
             let trying = Instant::now();
             let time = self.time_left(seconds, 0.0)?;
-            choose_samples(&mut self.world, &source, &self.walk, time);
+            choose_samples(&mut self.world, &source, &self.walk, (time, self.denoiser.is_some()));
             let time = self.time_left(seconds, trying.elapsed().as_secs_f64())?;
-            let spp = choose_samples(&mut self.world, &source, &self.walk, time);
+            let spp = choose_samples(&mut self.world, &source, &self.walk, (time, self.denoiser.is_some()));
             eprintln!("render: {spp} samples per pixel in {seconds} s a frame");
             self.budget = Budget::Samples(spp);
         }
@@ -125,7 +125,7 @@ impl Task<'_> {
         if let Some(seconds) = self.args.time_per_frame {
             let source = Source::Cached { rendering: &rendering, tolerance, caches: &caches };
             let time = self.time_left(seconds, filling.elapsed().as_secs_f64())?;
-            let spp = choose_samples(&mut self.world, &source, &self.walk, time);
+            let spp = choose_samples(&mut self.world, &source, &self.walk, (time, self.denoiser.is_some()));
             changed = true;
             if let Some(mark) = &mut caches.walk {
                 mark.spp = Some(spp);
@@ -212,7 +212,8 @@ impl Task<'_> {
             let shading = Instant::now();
             let bar = meter.bar();
             let progress = |x: f64| bar.set((i as f64 + x) / count);
-            let mut picture = source.draw(&mut self.world, (frame, camera), self.budget, &progress);
+            let mut picture =
+                source.draw(&mut self.world, (frame, camera), (self.budget, self.denoiser.is_some()), &progress);
             self.stats.seconds.shade += shading.elapsed().as_secs_f64();
             self.stats.count(&picture);
             if let Some(warning) = not_finite_warning(picture.counts.not_finite, picture.counts.paths) {

@@ -13,10 +13,13 @@ use std::sync::{Mutex, PoisonError};
 
 /// Oldest version with the functions that are used here.
 const OLDEST: i32 = 20_000;
+/// Oldest version with the fast network.
+const WITH_FAST: i32 = 20_300;
 
 /// The values of the C interface (`oidn.h`).
 const DEVICE_CPU: i32 = 1;
 const FORMAT_FLOAT3: i32 = 3;
+const QUALITY_FAST: i32 = 4;
 const QUALITY_BALANCED: i32 = 5;
 const QUALITY_HIGH: i32 = 6;
 
@@ -27,6 +30,7 @@ const MEMORY: i32 = 2048;
 #[derive(Debug)]
 pub struct Device {
     functions: Functions,
+    version: i32,
     /// One filter at a time.
     device: Mutex<Handle>,
 }
@@ -65,7 +69,7 @@ impl Device {
             (functions.commit_device)(device);
             (device, functions.error(device), (functions.get_device_int)(device, c"version".as_ptr()))
         };
-        let this = Self { functions, device: Mutex::new(Handle(device)) };
+        let this = Self { functions, version, device: Mutex::new(Handle(device)) };
         match error {
             Some(error) => Err(refused(error)),
             None if version < OLDEST => {
@@ -81,22 +85,13 @@ impl Device {
     /// What the library says.
     pub(super) fn denoise(&self, layers: &Layers, effort: Effort) -> Result<[Option<Vec<[f32; 3]>>; 2], DenoiseError> {
         let size = [layers.width, layers.height];
-        // The larger network of OIDN is the one for clean guides at high quality.
-        let (clean_guides, quality) =
-            if effort == Effort::Low { (false, QUALITY_BALANCED) } else { (true, QUALITY_HIGH) };
-        // Guides have few details and little noise: the small network does as well for them.
-        let guide = |name, guide: &[[f32; 3]]| {
-            let options = Options { hdr: false, clean_guides: false, quality: QUALITY_BALANCED };
-            self.filter(&[(name, guide)], size, options)
+        let (clean_guides, quality) = match effort {
+            Effort::Least if self.version >= WITH_FAST => (layers.clean_guides, QUALITY_FAST),
+            Effort::Least | Effort::Low => (layers.clean_guides, QUALITY_BALANCED),
+            // The larger network of OIDN is the one for clean guides at high quality.
+            Effort::High => (true, QUALITY_HIGH),
         };
-        let cleaned = match effort {
-            Effort::High => Some((guide(c"albedo", &layers.albedo)?, guide(c"normal", &layers.normal)?)),
-            Effort::Low | Effort::Medium => None,
-        };
-        let (albedo, normal) = match &cleaned {
-            Some((albedo, normal)) => (albedo, normal),
-            None => (&layers.albedo, &layers.normal),
-        };
+        let (albedo, normal) = (&layers.albedo, &layers.normal);
         let layer = |color: &Option<super::layers::Layer>| {
             let Some(color) = color else { return Ok(None) };
             let inputs: &Inputs = &[(c"color", &color.mean), (c"albedo", albedo), (c"normal", normal)];

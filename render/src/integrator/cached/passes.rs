@@ -85,7 +85,18 @@ impl<'a> Passes<'a> {
         let corner = [window.x, window.y];
         let (width, height) = (window.width, window.height);
         (
-            Picture { width, height, corner, pixels, spp, passes: 0, counts, from_records: true, denoised: None },
+            Picture {
+                width,
+                height,
+                corner,
+                pixels,
+                spp,
+                passes: 0,
+                outline_rays: 0,
+                counts,
+                from_records: true,
+                denoised: None,
+            },
             negative,
         )
     }
