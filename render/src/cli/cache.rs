@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow};
 use clap::Subcommand;
 use kit::output::{Outputs, write};
-use render::integrator::cached::file::{self, Info};
+use render::integrator::cached::file::{self, Chosen, Info};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -73,7 +73,7 @@ fn in_words(info: &Info) -> String {
         if let Some((range, done)) = walk.current {
             let _ = writeln!(text, "  in work  {done} of {} frames", range[1] - range[0] + 1);
         }
-        if let Some(spp) = walk.spp {
+        if let Some(Chosen { spp, .. }) = walk.chosen {
             let _ = writeln!(text, "  samples  {spp} per pixel, chosen by --time-per-frame");
         }
     }

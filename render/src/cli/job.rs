@@ -157,7 +157,7 @@ fn denoising(args: &Args, world: &World, denoiser: Option<&Denoiser>) -> Result<
     let Some(seconds) = args.time else { return Ok((Some(Effort::High), 0.0)) };
     let film = world.scene.camera.film.window();
     let start = Instant::now();
-    let plan = denoiser.plan(u64::from(film.width) * u64::from(film.height), Some(seconds))?;
+    let plan = denoiser.plan(u64::from(film.width) * u64::from(film.height), false, Some(seconds))?;
     let outlines = outlines::seconds(world, seconds - plan.seconds);
     Ok((Some(plan.effort), plan.seconds + outlines + start.elapsed().as_secs_f64()))
 }

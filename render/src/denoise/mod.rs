@@ -17,7 +17,7 @@ use crate::picture::Picture;
 pub use error::DenoiseError;
 pub use fireflies::Bounded;
 use layers::Layers;
-use plan::Rate;
+use plan::{EFFORTS, Rate};
 pub use plan::{Effort, Plan};
 use std::path::Path;
 
@@ -81,17 +81,17 @@ impl Denoiser {
         self.note.as_deref()
     }
 
-    /// How to denoise a picture of so many pixels: as well as can be, or with `seconds` for the whole picture, so that the time
-    /// buys most. Measures what denoising costs on this machine, for about a twentieth of a second, unless it is known.
+    /// How to denoise a picture of so many pixels, from records or not: as well as can be, or with `seconds` for the whole picture,
+    /// so that the time buys most. Measures what denoising costs on this machine, for about a twentieth of a second, unless it is
+    /// known.
     ///
     /// # Errors
     /// A library that fails.
-    pub fn plan(&self, pixels: u64, seconds: Option<f64>) -> Result<Plan, DenoiseError> {
-        let plan = self.rate.plan(pixels, seconds.filter(|_| !self.is_builtin()), |side| {
-            self.run(&Layers::example(side), Effort::Low).map(drop)
-        })?;
+    pub fn plan(&self, pixels: u64, from_records: bool, seconds: Option<f64>) -> Result<Plan, DenoiseError> {
         // Our own has one way only.
-        Ok(if self.is_builtin() { plan.at(Effort::Low) } else { plan })
+        let efforts = if self.is_builtin() { &[Effort::Low][..] } else { &EFFORTS };
+        let size = (pixels, plan::layers(from_records));
+        self.rate.plan(efforts, size, seconds, |side| self.run(&Layers::example(side), Effort::Low).map(drop))
     }
 
     /// Takes the noise out of a picture: sets [`Picture::denoised`]. The noisy light stays as it is. Tells how much of it the

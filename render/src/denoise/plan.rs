@@ -1,11 +1,12 @@
 //! How well to denoise in the time there is.
 
 use super::DenoiseError;
+use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// How much work a denoiser puts into a picture. Our own has one way only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Effort {
     /// Open Image Denoise's fast network.
     Least,
@@ -14,6 +15,9 @@ pub enum Effort {
     /// Its large one.
     High,
 }
+
+/// All, the best first.
+pub(super) const EFFORTS: [Effort; 3] = [Effort::High, Effort::Low, Effort::Least];
 
 impl Effort {
     /// Time for so many layers, in that of the usual network for one layer (measured: .48 to .51 for the fast one, 2.3 to 2.6 for
@@ -48,27 +52,19 @@ pub struct Plan {
     pub seconds: f64,
 }
 
-impl Plan {
-    /// For a picture from records, which has one layer.
-    pub fn from_records(self) -> Self {
-        Self { seconds: self.seconds * self.effort.cost(1) / self.effort.cost(LAYERS), ..self }
-    }
-
-    /// The same picture at another effort.
-    pub fn at(self, effort: Effort) -> Self {
-        Self { effort, seconds: self.seconds * effort.cost(LAYERS) / self.effort.cost(LAYERS) }
-    }
-}
-
 /// What is set aside for a guess that is too low.
 const MARGIN: f64 = 1.15;
 
 /// Side of the square that is denoised to see what it costs, at most; and of the one before it, which loads what is needed.
 const TRIAL: usize = 128;
 const FIRST: usize = 32;
+/// Layers of such a square.
+const EXAMPLE_LAYERS: usize = 2;
 
-/// Layers of most pictures.
-const LAYERS: usize = 2;
+/// Layers of a picture: direct and indirect light apart, and together where that comes from records.
+pub(super) fn layers(from_records: bool) -> usize {
+    if from_records { 1 } else { 2 }
+}
 
 /// Seconds for a pixel of a layer at the least effort, once they are known.
 #[derive(Debug, Default)]
@@ -91,10 +87,12 @@ impl Rate {
         Ok(done)
     }
 
-    /// The best effort that `seconds` for the whole picture are worth; `trial` denoises a square of the given side.
+    /// The first of these efforts that `seconds` for the whole picture are worth, or the last; `trial` denoises a square of the given
+    /// side.
     pub fn plan(
         &self,
-        pixels: u64,
+        efforts: &[Effort],
+        (pixels, layers): (u64, usize),
         seconds: Option<f64>,
         trial: impl Fn(usize) -> Result<(), DenoiseError>,
     ) -> Result<Plan, DenoiseError> {
@@ -104,20 +102,21 @@ impl Rate {
             None => {
                 trial(FIRST)?;
                 let side = (pixels as f64).sqrt().ceil().clamp(1.0, TRIAL as f64) as usize;
-                self.timed((side * side, LAYERS), Effort::Low, || trial(side))?;
+                self.timed((side * side, EXAMPLE_LAYERS), Effort::Low, || trial(side))?;
                 let measured = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
                 measured.unwrap_or_default()
             }
         };
-        Ok(choose(MARGIN * rate * pixels as f64, seconds))
+        Ok(choose(efforts, MARGIN * rate * pixels as f64, layers, seconds))
     }
 }
 
-/// The best effort where the usual network takes `unit` seconds for a layer.
-fn choose(unit: f64, seconds: Option<f64>) -> Plan {
-    let plan = |effort: Effort| Plan { effort, seconds: unit * effort.cost(LAYERS) };
-    let pays = |effort: &Effort| seconds.is_none_or(|s| unit * effort.cost(LAYERS) <= s * effort.worth());
-    plan([Effort::High, Effort::Low].into_iter().find(pays).unwrap_or(Effort::Least))
+/// The effort for so many layers where the usual network takes `unit` seconds for one.
+fn choose(efforts: &[Effort], unit: f64, layers: usize, seconds: Option<f64>) -> Plan {
+    let plan = |effort: Effort| Plan { effort, seconds: unit * effort.cost(layers) };
+    let pays = |effort: &Effort| seconds.is_none_or(|s| unit * effort.cost(layers) <= s * effort.worth());
+    let best = efforts.iter().copied().find(pays).or(efforts.last().copied());
+    plan(best.unwrap_or(Effort::Low))
 }
 
 #[cfg(test)]
@@ -126,10 +125,10 @@ mod tests {
 
     #[test]
     fn effort_follows_the_time() {
-        let efforts = [0.1, 0.51, 4.9, 5.1].map(|s| choose(0.1, Some(s)).effort);
+        let efforts = [0.1, 0.51, 4.9, 5.1].map(|s| choose(&EFFORTS, 0.1, 2, Some(s)).effort);
         assert_eq!(efforts, [Effort::Least, Effort::Low, Effort::Low, Effort::High]);
-        assert_eq!(choose(0.1, None).effort, Effort::High);
-        assert!((choose(0.1, Some(1.0)).seconds - 0.2).abs() < 1e-9);
-        assert!((choose(0.1, Some(0.3)).seconds - 0.1).abs() < 1e-9);
+        assert_eq!(choose(&EFFORTS, 0.1, 2, None).effort, Effort::High);
+        assert!((choose(&EFFORTS, 0.1, 2, Some(1.0)).seconds - 0.2).abs() < 1e-9);
+        assert!((choose(&EFFORTS, 0.1, 2, Some(0.3)).seconds - 0.1).abs() < 1e-9);
     }
 }

@@ -18,4 +18,4 @@ pub use names::{FrameFiles, FrameNumbers, LAST_FRAME, MAX_FRAMES};
 pub use path::{Row, Walk};
 #[cfg(feature = "formats")]
 pub use table::read_rows;
-pub use trial::{choose_samples, choose_tolerance};
+pub use trial::{Trial, choose_samples};

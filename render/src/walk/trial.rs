@@ -3,8 +3,9 @@
 use super::frames::{Source, seed_of};
 use super::path::Walk;
 use crate::cache::Density;
-use crate::integrator::cached::{COST_EXPONENT, Caches, FIRST_TOLERANCE, Rendering, SMALLEST_TOLERANCE};
+use crate::integrator::cached::{COST_EXPONENT, Caches, FIRST_TOLERANCE, Rendering, SMALLEST_TOLERANCE, Settings};
 use crate::picture::Budget;
+use crate::scene::Camera;
 use crate::world::World;
 use std::time::{Duration, Instant};
 
@@ -28,43 +29,92 @@ fn on_trial(walk: &Walk) -> Vec<u32> {
     frames
 }
 
-/// The τ whose fill for the whole path takes about this time, by filling a few frames coarsely.
-pub fn choose_tolerance(world: &mut World, rendering: &Rendering, walk: &Walk, time: Duration) -> f32 {
-    let start = Instant::now();
-    let (min, max) = world.bounds();
-    let mut caches = Caches::new(min, max);
-    let frames = on_trial(walk);
-    let few = frames.len() as u32 == walk.frames().end() - walk.frames().start() + 1;
-    for frame in frames {
-        if let Some(camera) = walk.camera(frame) {
-            world.scene.camera.clone_from(camera);
-        }
-        let how = (Density::Every, seed_of(rendering.settings.seed, frame));
-        caches = rendering.fill_frame(world, FIRST_TOLERANCE, caches, how, Some(start + time));
-    }
-    let spent = start.elapsed().as_secs_f64();
-    let left = MARGIN * (time.as_secs_f64() - spent).max(1e-3);
-    let growth = if few { 1.0 } else { GROWTH };
-    let share = (growth * spent / left).powf(1.0 / COST_EXPONENT) as f32;
-    (FIRST_TOLERANCE * share).clamp(SMALLEST_TOLERANCE, FIRST_TOLERANCE)
+/// A coarse fill for a few frames of a path.
+#[derive(Debug)]
+pub struct Trial {
+    /// The τ whose fill for the whole path takes about the time that was given.
+    pub tolerance: f32,
+    /// The records of the trial, which are those of [`FIRST_TOLERANCE`].
+    caches: Caches,
+    /// What they took.
+    seconds: f64,
 }
 
-/// Samples per pixel that frames, denoised or not, can have in this time each without denoising, by drawing a few of them.
-pub fn choose_samples(world: &mut World, source: &Source, walk: &Walk, (time, denoised): (Duration, bool)) -> u32 {
+impl Trial {
+    /// Fills a few frames coarsely, to find the τ whose fill for the whole path takes about this time.
+    pub fn new(world: &mut World, rendering: &Rendering, walk: &Walk, time: Duration) -> Self {
+        let start = Instant::now();
+        let (min, max) = world.bounds();
+        let mut caches = Caches::new(min, max);
+        let frames = on_trial(walk);
+        let few = frames.len() as u32 == walk.frames().end() - walk.frames().start() + 1;
+        for frame in frames {
+            stand(world, walk, frame);
+            let how = (Density::Every, seed_of(rendering.settings.seed, frame));
+            caches = rendering.fill_frame(world, FIRST_TOLERANCE, caches, how, Some(start + time));
+        }
+        caches.refile();
+        let spent = start.elapsed().as_secs_f64();
+        let left = MARGIN * (time.as_secs_f64() - spent).max(1e-3);
+        let growth = if few { 1.0 } else { GROWTH };
+        let share = (growth * spent / left).powf(1.0 / COST_EXPONENT) as f32;
+        let tolerance = (FIRST_TOLERANCE * share).clamp(SMALLEST_TOLERANCE, FIRST_TOLERANCE);
+        Self { tolerance, caches, seconds: spent }
+    }
+
+    /// Seconds that a frame in the middle of the path takes with one sample per pixel: from these records, with its share of a coarse
+    /// fill; and path traced. Both without denoising.
+    pub fn quickest_frames(&self, world: &mut World, rendering: &Rendering, walk: &Walk, denoised: bool) -> [f64; 2] {
+        let Settings { seed, indirect_only, .. } = rendering.settings;
+        let cached = Source::Cached { rendering, tolerance: FIRST_TOLERANCE, caches: &self.caches };
+        let traced = Source::Traced { seed, indirect_only };
+        let (first, last) = walk.frames().into_inner();
+        let frame = first + (last - first) / 2;
+        let Some(camera) = walk.camera(frame) else { return [0.0; 2] };
+        let [cached, traced] = [cached, traced].map(|source| seconds_of(world, &source, (frame, camera), 1, denoised));
+        [cached + GROWTH * self.seconds / f64::from(last - first + 1), traced]
+    }
+
+    /// The records to go on from, where they are as fine as those of its τ.
+    pub fn caches(self) -> Option<Caches> {
+        Some(self.caches).filter(|_| self.tolerance >= FIRST_TOLERANCE)
+    }
+}
+
+/// Puts the camera where it is in a frame.
+fn stand(world: &mut World, walk: &Walk, frame: u32) {
+    if let Some(camera) = walk.camera(frame) {
+        world.scene.camera.clone_from(camera);
+    }
+}
+
+/// Seconds that a frame takes with so many samples per pixel.
+fn seconds_of(world: &mut World, source: &Source, frame: (u32, &Camera), spp: u32, denoised: bool) -> f64 {
+    let start = Instant::now();
+    source.draw(world, frame, (Budget::Samples(spp), denoised), &|_| ());
+    start.elapsed().as_secs_f64()
+}
+
+/// Samples per pixel that frames, denoised or not, can have, by drawing a few of them; `left` tells the seconds that there are for
+/// each, without denoising, when that trial has taken so many.
+pub fn choose_samples(
+    world: &mut World,
+    source: &Source,
+    walk: &Walk,
+    denoised: bool,
+    left: impl FnOnce(f64) -> f64,
+) -> u32 {
     // What does not grow with the samples, and what each adds.
     let (mut fixed, mut each, mut count) = (0.0, 0.0, 0.0);
+    let start = Instant::now();
     for frame in on_trial(walk) {
         let Some(camera) = walk.camera(frame) else { continue };
-        let [few, more] = TRIAL.map(|spp| {
-            let start = Instant::now();
-            source.draw(world, (frame, camera), (Budget::Samples(spp), denoised), &|_| ());
-            start.elapsed().as_secs_f64()
-        });
+        let [few, more] = TRIAL.map(|spp| seconds_of(world, source, (frame, camera), spp, denoised));
         let slope = ((more - few) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
         each += slope;
         fixed += (few - slope * f64::from(TRIAL[0])).max(0.0);
         count += 1.0;
     }
-    let spp = (FRAME_MARGIN * time.as_secs_f64() * count - fixed) / f64::max(each, 1e-6);
+    let spp = (FRAME_MARGIN * left(start.elapsed().as_secs_f64()) * count - fixed) / f64::max(each, 1e-6);
     spp.clamp(1.0, MAX_SPP) as u32
 }

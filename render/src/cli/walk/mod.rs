@@ -15,7 +15,7 @@ use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use files::Files;
 use kit::number::number;
 use meter::Told;
-use render::denoise::Denoiser;
+use render::denoise::{Denoiser, Effort};
 use render::integrator::cached::file;
 use render::scene::Film;
 use render::walk::{FrameNumbers, Walk, read_rows};
@@ -126,10 +126,12 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
         ensure!(reading.camera.is_none(), "--camera and --path {} both name a camera", args.path.display());
         (reading.camera, reading.track) = (Some(name.clone()), Some(*fps));
     }
+    // The same for all frames, whoever draws them and in whatever time.
+    let mut effort = Effort::Low;
     // What was chosen for a cache stands in it.
     if let Some(path) = args.image.cache.as_ref().filter(|path| args.frames_only || path.exists()) {
         let info = file::info(path).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-        let chosen = info.walk.as_ref().and_then(|walk| walk.spp);
+        let chosen = info.walk.as_ref().and_then(|walk| walk.chosen);
         ensure!(
             chosen.is_none() || args.time_per_frame.is_none(),
             "{}: --time-per-frame has chosen for this cache already: draw from it with --frames-only, or remove it",
@@ -137,7 +139,8 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
         );
         let reads = args.frames_only || chosen.is_some();
         args.image.tau = args.image.tau.or(Some(info.tau).filter(|_| reads));
-        args.image.spp = args.image.spp.or(chosen);
+        args.image.spp = args.image.spp.or(chosen.map(|chosen| chosen.spp));
+        effort = chosen.map_or(effort, |chosen| chosen.effort);
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.image.threads.unwrap_or(0).into()).build()?;
     let denoiser = args.image.denoising.open(true, pool.current_num_threads())?;
@@ -170,11 +173,12 @@ pub fn run(args: &mut Args) -> Result<ExitCode> {
         }
         let mut stats = Stats::new(args.image.method.name(), pool.current_num_threads(), start.elapsed());
         stats.path_frames = walk.frames().end() - walk.frames().start() + 1;
-        let mut task = Task { args, world, walk, files, look, denoiser, seed, indirect_only, budget, start, stats };
+        let mut task =
+            Task { args, world, walk, files, look, denoiser, effort, seed, indirect_only, budget, start, stats };
         let frames = task.frames()?;
         video.as_ref().map_or(Ok(()), |_| Video::check(&frames))?;
         match engine {
-            Engine::Traced => task.traced(&frames)?,
+            Engine::Traced => task.traced(&frames, 0.0)?,
             Engine::Cached(caching) => task.cached(&caching, &frames)?,
         }
         video.map_or(Ok(()), |video| video.make(&frames))?;

@@ -9,15 +9,16 @@ use crate::cli::caching::decide;
 use crate::cli::image::not_finite_warning;
 use crate::cli::job::{Caching, writing_seconds};
 use crate::cli::method::Method;
+use crate::cli::options;
 use anyhow::{Context, Result, bail, ensure};
 use kit::output::write;
-use render::denoise::{Denoiser, Effort};
+use render::denoise::{Denoiser, Effort, Plan};
 use render::image::{Look, write_picture};
-use render::integrator::cached::file::{self, Key};
+use render::integrator::cached::file::{self, Chosen, Key};
 use render::integrator::cached::{Caches, Reading, Rendering};
 use render::picture::Budget;
 use render::scene::checksum::Checksums;
-use render::walk::{self, Source, Walk, choose_samples, choose_tolerance};
+use render::walk::{self, Source, Trial, Walk, choose_samples};
 use render::world::World;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,8 +29,9 @@ use std::time::{Duration, Instant};
 const FILL_SHARE: f64 = 0.12;
 const LONGEST_FILL: f64 = 0.6;
 
-/// How well frames are denoised: the same for all, whoever draws them and in whatever time.
-const EFFORT: Effort = Effort::Low;
+/// How many times as long as a path traced frame, both at one sample per pixel, a frame from records may take where it does not fit
+/// into its time. Measured: from 1.1 (sponza, where records are better at that) to 2.5 (a staircase of rough plastics, where they are not).
+const TOO_SLOW: f64 = 1.5;
 
 /// A walk, ready to be filled and drawn.
 pub(super) struct Task<'a> {
@@ -39,6 +41,7 @@ pub(super) struct Task<'a> {
     pub files: Files,
     pub look: Look,
     pub denoiser: Option<Denoiser>,
+    pub effort: Effort,
     pub seed: u64,
     pub indirect_only: bool,
     pub budget: Budget,
@@ -67,34 +70,49 @@ impl Task<'_> {
         f64::from(self.walk.frames().end() - self.walk.frames().start() + 1)
     }
 
-    /// What is left of `--time-per-frame` for each frame of the path, when a time has been spent on all of them; without that of
-    /// writing.
-    fn time_left(&self, seconds: f64, spent: f64) -> Result<Duration> {
-        let writing = writing_seconds(&self.args.image.output, &self.world.scene.camera.film);
-        let left = seconds - spent / self.count() - writing - self.denoising_seconds()?;
-        Ok(Duration::from_secs_f64(left.max(1e-3)))
-    }
-
-    /// About what it takes to denoise a frame.
-    fn denoising_seconds(&self) -> Result<f64> {
-        let Some(denoiser) = &self.denoiser else { return Ok(0.0) };
+    /// How frames of so many seconds are denoised.
+    fn denoising(&self, seconds: f64, from_records: bool) -> Result<Option<Plan>> {
+        let Some(denoiser) = &self.denoiser else { return Ok(None) };
         let film = self.world.scene.camera.film.window();
-        let plan = denoiser.plan(u64::from(film.width) * u64::from(film.height), None)?.at(EFFORT);
-        let cached = self.args.image.method != Method::Path;
-        Ok(if cached { plan.from_records() } else { plan }.seconds)
+        Ok(Some(denoiser.plan(u64::from(film.width) * u64::from(film.height), from_records, Some(seconds))?))
     }
 
-    /// Draws by path tracing.
-    pub fn traced(&mut self, frames: &[u32]) -> Result<()> {
+    /// Chooses samples per pixel and how well to denoise, for frames of so many seconds each of which `spent` are gone for all.
+    fn choose(&mut self, source: &Source, seconds: f64, spent: f64) -> Result<Chosen> {
+        let plan = self.denoising(seconds, matches!(source, Source::Cached { .. }))?;
+        let writing = writing_seconds(&self.args.image.output, &self.world.scene.camera.film);
+        let fixed = writing + plan.map_or(0.0, |plan| plan.seconds);
+        let count = self.count();
+        let left = |trial: f64| seconds - (spent + trial) / count - fixed;
+        let spp = choose_samples(&mut self.world, source, &self.walk, plan.is_some(), left);
+        self.effort = plan.map_or(self.effort, |plan| plan.effort);
+        self.budget = Budget::Samples(spp);
+        Ok(Chosen { spp, effort: self.effort })
+    }
+
+    /// Whether frames of so many seconds are better path traced: a coarse fill and a frame from its records do not fit into that, and
+    /// take far longer than a path traced frame. Only for `auto` without a file of records, and only where a denoiser takes the
+    /// noise away.
+    fn better_traced(&mut self, trial: &Trial, rendering: &Rendering, seconds: f64) -> Result<bool> {
+        let args = &self.args.image;
+        if args.method != Method::Auto || args.cache.is_some() || options::for_records(args) {
+            return Ok(false);
+        }
+        let (Some(from_records), Some(apart)) = (self.denoising(seconds, true)?, self.denoising(seconds, false)?)
+        else {
+            return Ok(false);
+        };
+        let [cached, traced] = trial.quickest_frames(&mut self.world, rendering, &self.walk, true);
+        let [cached, traced] = [cached + from_records.seconds, traced + apart.seconds];
+        Ok(cached > seconds && cached > TOO_SLOW * traced)
+    }
+
+    /// Draws by path tracing, after some seconds of `--time-per-frame` were spent on all frames.
+    pub fn traced(&mut self, frames: &[u32], spent: f64) -> Result<()> {
         let source = Source::Traced { seed: self.seed, indirect_only: self.indirect_only };
         if let Some(seconds) = self.args.time_per_frame {
-            let trying = Instant::now();
-            let time = self.time_left(seconds, 0.0)?;
-            choose_samples(&mut self.world, &source, &self.walk, (time, self.denoiser.is_some()));
-            let time = self.time_left(seconds, trying.elapsed().as_secs_f64())?;
-            let spp = choose_samples(&mut self.world, &source, &self.walk, (time, self.denoiser.is_some()));
+            let Chosen { spp, .. } = self.choose(&source, seconds, spent)?;
             eprintln!("render: {spp} samples per pixel in {seconds} s a frame");
-            self.budget = Budget::Samples(spp);
         }
         let scene = Checksums::new(&self.world.scene);
         let key = format!("path {:x} {:x}", scene.geometry, scene.materials);
@@ -116,7 +134,15 @@ impl Task<'_> {
         let range = self.range(frames)?;
         let done = complete && caches.walk.as_ref().is_some_and(|mark| mark.covers(range));
         if !done {
-            (caches, tolerance) = self.fill(&rendering, caches, tolerance, range, (&mut kept, &key))?;
+            match self.fill(&rendering, caches, tolerance, range, (&mut kept, &key))? {
+                Some(filled) => (caches, tolerance) = filled,
+                None => {
+                    eprintln!(
+                        "render: auto traces paths: a frame from records would take longer than --time-per-frame gives it"
+                    );
+                    return self.traced(frames, filling.elapsed().as_secs_f64());
+                }
+            }
         }
         self.stats.take(&caches, tolerance);
         let counts = std::mem::take(&mut caches.counts);
@@ -124,14 +150,12 @@ impl Task<'_> {
         let mut changed = !done;
         if let Some(seconds) = self.args.time_per_frame {
             let source = Source::Cached { rendering: &rendering, tolerance, caches: &caches };
-            let time = self.time_left(seconds, filling.elapsed().as_secs_f64())?;
-            let spp = choose_samples(&mut self.world, &source, &self.walk, (time, self.denoiser.is_some()));
+            let chosen = self.choose(&source, seconds, filling.elapsed().as_secs_f64())?;
             changed = true;
             if let Some(mark) = &mut caches.walk {
-                mark.spp = Some(spp);
+                mark.chosen = Some(chosen);
             }
-            eprintln!("render: tau {tolerance:.4} and {spp} samples per pixel in {seconds} s a frame");
-            self.budget = Budget::Samples(spp);
+            eprintln!("render: tau {tolerance:.4} and {} samples per pixel in {seconds} s a frame", chosen.spp);
         }
         self.stats.seconds.fill = filling.elapsed().as_secs_f64();
         if changed {
@@ -164,21 +188,26 @@ impl Task<'_> {
         Ok([from - first, to - first])
     }
 
-    /// Adds to caches what a range of frames needs, and says at which τ.
+    /// Adds to caches what a range of frames needs, and says at which τ; `None` where frames are better path traced.
     fn fill(
         &mut self,
         rendering: &Rendering,
-        caches: Caches,
+        mut caches: Caches,
         mut tolerance: f32,
         range: [u32; 2],
         (kept, key): (&mut Kept, &Key),
-    ) -> Result<(Caches, f32)> {
+    ) -> Result<Option<(Caches, f32)>> {
         let mut deadline = None;
         if let Some(seconds) = self.args.time_per_frame {
             let start = Instant::now();
             let [time, longest] =
                 [FILL_SHARE, LONGEST_FILL].map(|share| Duration::from_secs_f64(share * seconds * self.count()));
-            tolerance = choose_tolerance(&mut self.world, rendering, &self.walk, time);
+            let trial = Trial::new(&mut self.world, rendering, &self.walk, time);
+            if self.better_traced(&trial, rendering, seconds)? {
+                return Ok(None);
+            }
+            tolerance = trial.tolerance;
+            caches = trial.caches().filter(|_| caches.records() == 0).unwrap_or(caches);
             deadline = Some(start + longest);
         }
         let fill = walk::Fill { rendering, walk: &self.walk, tolerance, range, deadline };
@@ -189,13 +218,13 @@ impl Task<'_> {
             meter.at(f64::from(filled.frames) / f64::from(filled.all), what);
         };
         let caches = fill.run(&mut self.world, caches, |caches| kept.stage(&key, caches), &progress)?;
-        Ok((caches, tolerance))
+        Ok(Some((caches, tolerance)))
     }
 
     /// Draws and writes frames, in the order in which they were asked for.
     fn draw(&mut self, source: &Source, frames: &[u32], made: &str) -> Result<()> {
         let denoiser = self.denoiser.as_ref().map_or("off", Denoiser::name);
-        let made = format!("{made} denoise {denoiser}");
+        let made = format!("{made} denoise {denoiser} {:?}", self.effort);
         let meter = Meter::new("frames", self.args.progress);
         let count = frames.len() as f64;
         for (i, &frame) in frames.iter().enumerate() {
@@ -221,7 +250,7 @@ impl Task<'_> {
             }
             if let Some(denoiser) = &self.denoiser {
                 let denoising = Instant::now();
-                denoiser.denoise(&mut picture, EFFORT)?;
+                denoiser.denoise(&mut picture, self.effort)?;
                 self.stats.denoised(denoiser.name(), denoising.elapsed());
             }
             let writing = Instant::now();

@@ -1,5 +1,6 @@
 //! For which walk caches were filled, and how far.
 
+use crate::denoise::Effort;
 use serde::{Deserialize, Serialize};
 
 /// For which walk caches were filled, and how far. Frames are counted from the first of the path.
@@ -13,14 +14,23 @@ pub struct WalkMark {
     pub filled: Vec<[u32; 2]>,
     /// First and last of the frames that are being filled, and how many of them are.
     pub current: Option<([u32; 2], u32)>,
-    /// Samples per pixel that a budget of time chose.
-    pub spp: Option<u32>,
+    /// What a budget of time chose.
+    pub chosen: Option<Chosen>,
+}
+
+/// How frames are drawn by the choice of a budget of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Chosen {
+    /// Samples per pixel.
+    pub spp: u32,
+    /// How well they are denoised.
+    pub effort: Effort,
 }
 
 impl WalkMark {
     /// Of a path that nothing is filled for yet.
     pub fn new(path: u64, frames: u32) -> Self {
-        Self { path, frames, filled: Vec::new(), current: None, spp: None }
+        Self { path, frames, filled: Vec::new(), current: None, chosen: None }
     }
 
     /// Notes that frames are filled.
@@ -51,7 +61,7 @@ impl WalkMark {
     pub fn join(&mut self, other: &Self) {
         other.filled.iter().for_each(|range| self.fill(*range));
         self.current = None;
-        self.spp = self.spp.and_then(|spp| other.spp.map(|other| spp.min(other)));
+        self.chosen = self.chosen.zip(other.chosen).map(|(a, b)| if a.spp <= b.spp { a } else { b });
     }
 }
 

@@ -26,14 +26,14 @@ use header::{Header, MAX_HEADER};
 pub use info::{Info, info};
 use kit::output;
 pub use lock::Lock;
-pub use mark::WalkMark;
+pub use mark::{Chosen, WalkMark};
 pub use merge::{MergeError, merge};
 pub use reader::{Reader, write_numbers, write_words};
 use std::io::Read;
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BURNREC\n";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Larger files are not read.
 const MAX_BYTES: u64 = 4 << 30;
 
