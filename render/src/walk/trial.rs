@@ -16,6 +16,12 @@ const GROWTH: f64 = 2.0;
 const MARGIN: f64 = 0.8;
 /// Share of a frame's time that is planned for: others may take longer than those on trial.
 const FRAME_MARGIN: f64 = 0.95;
+/// How many times as long as a path traced frame a frame from records may take that does not fit into its time, both at one sample
+/// per pixel. Measured: from 1.1 (sponza, where records are better at that) to 2.5 (a staircase of rough plastics, where they are not).
+const TOO_SLOW: f64 = 1.5;
+/// Samples of a path traced frame from which on it is better than one from records that is late. Measured: with 2 it is not (a hall), with
+/// 4 it is (glossy box).
+const ENOUGH: f64 = 3.0;
 /// Samples per pixel on trial.
 const TRIAL: [u32; 2] = [1, 4];
 /// Most samples per pixel that a trial chooses.
@@ -62,17 +68,39 @@ impl Trial {
         Self { tolerance, caches, seconds: spent }
     }
 
-    /// Seconds that a frame in the middle of the path takes with one sample per pixel: from these records, with its share of a coarse
-    /// fill; and path traced. Both without denoising.
-    pub fn quickest_frames(&self, world: &mut World, rendering: &Rendering, walk: &Walk, denoised: bool) -> [f64; 2] {
+    /// Whether a denoised frame is better path traced, where there are so many seconds for each, the fill included: `fixed` of them for
+    /// denoising and writing a frame from records, and a path traced one.
+    ///
+    /// It is where it has more samples than one from records has of direct light, and where even a coarse fill and frame do not
+    /// fit into the time. Measured in four rooms at half a second to two seconds a frame of two cores: path traced frames win
+    /// with 4 samples against 1 and 13 against 9 (glossy box), records with 1 against 1 and up to 18 against 26 (a hall, sponza).
+    pub fn favours_paths(
+        &self,
+        world: &mut World,
+        rendering: &Rendering,
+        walk: &Walk,
+        seconds: f64,
+        fixed: [f64; 2],
+    ) -> bool {
         let Settings { seed, indirect_only, .. } = rendering.settings;
-        let cached = Source::Cached { rendering, tolerance: FIRST_TOLERANCE, caches: &self.caches };
-        let traced = Source::Traced { seed, indirect_only };
+        let records = Source::Cached { rendering, tolerance: FIRST_TOLERANCE, caches: &self.caches };
+        let paths = Source::Traced { seed, indirect_only };
         let (first, last) = walk.frames().into_inner();
         let frame = first + (last - first) / 2;
-        let Some(camera) = walk.camera(frame) else { return [0.0; 2] };
-        let [cached, traced] = [cached, traced].map(|source| seconds_of(world, &source, (frame, camera), 1, denoised));
-        [cached + GROWTH * self.seconds / f64::from(last - first + 1), traced]
+        let Some(camera) = walk.camera(frame) else { return false };
+        let mut draw = |source: &Source, spp: u32| seconds_of(world, source, (frame, camera), spp, true);
+        let fill = GROWTH * self.seconds / f64::from(last - first + 1);
+        let once = [draw(&records, TRIAL[0]), draw(&paths, TRIAL[0])];
+        let whole = [once[0] + fill + fixed[0], once[1] + fixed[1]];
+        let mut samples = |i: usize, source: &Source| {
+            let slope = ((draw(source, TRIAL[1]) - once[i]) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
+            f64::from(TRIAL[0]) + (seconds - whole[i]) / slope
+        };
+        let of_paths = samples(1, &paths).max(1.0);
+        if whole[0] > seconds {
+            return of_paths >= ENOUGH || whole[0] > TOO_SLOW * whole[1];
+        }
+        of_paths > samples(0, &records)
     }
 
     /// The records to go on from, where they are as fine as those of its τ.

@@ -29,10 +29,6 @@ use std::time::{Duration, Instant};
 const FILL_SHARE: f64 = 0.12;
 const LONGEST_FILL: f64 = 0.6;
 
-/// How many times as long as a path traced frame, both at one sample per pixel, a frame from records may take where it does not fit
-/// into its time. Measured: from 1.1 (sponza, where records are better at that) to 2.5 (a staircase of rough plastics, where they are not).
-const TOO_SLOW: f64 = 1.5;
-
 /// A walk, ready to be filled and drawn.
 pub(super) struct Task<'a> {
     pub args: &'a Args,
@@ -90,21 +86,19 @@ impl Task<'_> {
         Ok(Chosen { spp, effort: self.effort })
     }
 
-    /// Whether frames of so many seconds are better path traced: a coarse fill and a frame from its records do not fit into that, and
-    /// take far longer than a path traced frame. Only for `auto` without a file of records, and only where a denoiser takes the
-    /// noise away.
+    /// Whether frames of so many seconds are better path traced. Only for `auto` without a file of records, and only where a denoiser
+    /// takes the noise away.
     fn better_traced(&mut self, trial: &Trial, rendering: &Rendering, seconds: f64) -> Result<bool> {
         let args = &self.args.image;
         if args.method != Method::Auto || args.cache.is_some() || options::for_records(args) {
             return Ok(false);
         }
-        let (Some(from_records), Some(apart)) = (self.denoising(seconds, true)?, self.denoising(seconds, false)?)
-        else {
+        let (Some(together), Some(apart)) = (self.denoising(seconds, true)?, self.denoising(seconds, false)?) else {
             return Ok(false);
         };
-        let [cached, traced] = trial.quickest_frames(&mut self.world, rendering, &self.walk, true);
-        let [cached, traced] = [cached + from_records.seconds, traced + apart.seconds];
-        Ok(cached > seconds && cached > TOO_SLOW * traced)
+        let writing = writing_seconds(&args.output, &self.world.scene.camera.film);
+        let fixed = [together, apart].map(|plan| plan.seconds + writing);
+        Ok(trial.favours_paths(&mut self.world, rendering, &self.walk, seconds, fixed))
     }
 
     /// Draws by path tracing, after some seconds of `--time-per-frame` were spent on all frames.
@@ -138,7 +132,7 @@ impl Task<'_> {
                 Some(filled) => (caches, tolerance) = filled,
                 None => {
                     eprintln!(
-                        "render: auto traces paths: a frame from records would take longer than --time-per-frame gives it"
+                        "render: auto traces paths: in so many seconds a frame, they have more samples than frames from records"
                     );
                     return self.traced(frames, filling.elapsed().as_secs_f64());
                 }
