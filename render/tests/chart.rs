@@ -170,6 +170,25 @@ fn sizes_are_swept() {
     assert!(f.text("out/figures/order-ward-0.6-0.25.svg").starts_with("<svg"));
 }
 
+/// Every method has a twin whose pictures are denoised, in the same time.
+#[test]
+fn denoised_twins_are_charted() {
+    let f = Charts::new();
+    let twins = "scene.xml --methods path,path-denoised,eas-denoised --denoise builtin --times 0.3 --taus 0.2 --reference-time 0.5 -o out";
+    assert_eq!(f.ok(twins).len(), 3);
+    let table = f.text("out/chart.csv");
+    assert_eq!(column(&table, "method"), ["path", "path-denoised", "eas-denoised"]);
+    let (denoise, errors, seconds) =
+        (numbers(&table, "denoise"), numbers(&table, "rel_mse"), numbers(&table, "seconds"));
+    assert!(denoise[0] == 0.0 && denoise[1] > 0.0 && denoise[2] > 0.0, "{table}");
+    assert!(errors.iter().chain(&seconds).all(|x| *x > 0.0 && *x < 1.0), "{table}");
+    let page = f.text("out/index.html");
+    assert!(page.contains("path-denoised") && page.contains("<h3>Crops</h3>"));
+    assert_self_contained(&page);
+    f.bad("scene.xml --methods path-denoised --denoise off --times 0.1 -o no", "path-denoised is denoised");
+    f.bad("scene.xml --methods path --denoise builtin --times 0.1 -o no", "end in -denoised");
+}
+
 #[test]
 fn rows_of_peers_are_shown() {
     let f = Charts::new();

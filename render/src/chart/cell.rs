@@ -13,6 +13,7 @@ use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Figures, Settings, render_cached};
 use render::metric::defects::Defects;
 use render::metric::{compare, false_color};
+use render::outlines::{self, GUIDES};
 use render::picture::{Budget, Picture};
 use render::tables::Tables;
 use std::path::PathBuf;
@@ -82,13 +83,21 @@ pub fn run(
     (method, setting): (&Method, Setting),
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Row> {
+    let pixels = |row: &Row| u64::from(row.width) * u64::from(row.height);
+    let mut row = blank(plan, subject, method, setting);
+    let denoiser = plan.denoiser.as_ref().filter(|_| method.denoised);
+    let from_records = matches!(method.engine, Engine::Cached(..));
+    let total = if let Setting::Time(seconds) = setting { Some(seconds) } else { None };
+    let denoising = denoiser.map(|d| d.plan(pixels(&row), from_records, total).map(|plan| (d, plan))).transpose()?;
     let budget = match setting {
-        Setting::Time(seconds) => Budget::Time(Duration::from_secs_f64(seconds)),
+        Setting::Time(seconds) => {
+            let aside = denoising.map_or(0.0, |(_, plan)| plan.seconds + outlines::seconds(&subject.world, seconds));
+            Budget::Time(Duration::from_secs_f64(seconds - aside.min(0.5 * seconds)))
+        }
         Setting::Tau(_) | Setting::Order(..) | Setting::Sources(..) => Budget::Samples(plan.spp),
         Setting::Spp(n) => Budget::Samples(n),
     };
-    let mut row = blank(plan, subject, method, setting);
-    let picture = match method.engine {
+    let mut picture = match method.engine {
         Engine::Traced => {
             let start = Instant::now();
             let settings = subject.world.scene.integrator;
@@ -114,7 +123,13 @@ pub fn run(
             picture
         }
     };
-    row.seconds = row.fill + row.shade;
+    if let Some((denoiser, how)) = denoising {
+        let start = Instant::now();
+        outlines::refine(&subject.world, &mut picture, (plan.seed, plan.indirect_only), GUIDES);
+        denoiser.denoise(&mut picture, how.effort)?;
+        row.denoise = start.elapsed().as_secs_f64();
+    }
+    row.seconds = row.fill + row.shade + row.denoise;
     row.spp = picture.spp;
     judge(&mut row, &picture, &subject.reference)?;
     row.round();

@@ -122,10 +122,14 @@ pub fn methods<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a str> {
     names
 }
 
-/// A colour for each method, the same in every figure.
+/// A colour for each method and its denoised twin, the same in every figure.
 fn color(name: &str, foreign: &[&str]) -> RGBColor {
-    let known = METHODS.iter().position(|m| m.name == name);
-    let index = known.or_else(|| foreign.iter().position(|f| *f == name).map(|i| METHODS.len() + i));
+    let plain = METHODS.iter().filter(|m| !m.denoised).count();
+    let known =
+        METHODS.iter().position(|m| m.name == name).map(|i| METHODS[..i].iter().filter(|m| !m.denoised).count());
+    let twin = method::find(name).is_some_and(|m| m.denoised);
+    let known = known.map(|i| i - usize::from(twin));
+    let index = known.or_else(|| foreign.iter().position(|f| *f == name).map(|i| plain + i));
     PALETTE[index.unwrap_or(0) % PALETTE.len()]
 }
 
@@ -141,8 +145,9 @@ pub fn figures<'a>(subject: &Subject, rows: impl Iterator<Item = &'a Row> + Clon
         let mut series = Vec::new();
         for name in &names {
             let mut shown = kind.runs.of(rows.clone(), name);
-            // A method without runs of the kind wanted shows what it has.
-            if shown.is_empty() {
+            let twin = method::find(name).is_some_and(|m| m.denoised);
+            // A method without runs of the kind wanted shows what it has; a denoised one is shown over time alone.
+            if shown.is_empty() && !twin {
                 shown = rows.clone().filter(|r| r.method == **name).collect();
             }
             shown.sort_by(|a, b| knob(a).total_cmp(&knob(b)));
@@ -150,7 +155,13 @@ pub fn figures<'a>(subject: &Subject, rows: impl Iterator<Item = &'a Row> + Clon
             points.retain(|(x, y)| *x > 0.0 && *y > 0.0);
             if !points.is_empty() {
                 let joined = !foreign.contains(name);
-                series.push(Series { name: (*name).to_owned(), color: color(name, &foreign), points, joined });
+                series.push(Series {
+                    name: (*name).to_owned(),
+                    color: color(name, &foreign),
+                    points,
+                    joined,
+                    dashed: twin,
+                });
             }
         }
         if !series.is_empty() {

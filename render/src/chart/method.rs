@@ -43,13 +43,16 @@ pub struct Method {
     pub ours: bool,
     /// Whether a sweep runs it unasked.
     pub swept: bool,
+    /// Whether its pictures are denoised.
+    pub denoised: bool,
 }
 
-/// All methods, in the order in which they are run and drawn: those below, and every kind of record that has none of its name.
+/// All methods, in the order in which they are run and drawn: those below, and every kind of record that has none of its name; each
+/// followed by its denoised twin.
 pub static METHODS: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let mut methods = NAMED.to_vec();
     let Ok(()) = kinds::each(&mut Rest(&mut methods));
-    methods
+    methods.into_iter().flat_map(|method| [method, method.twin()]).collect()
 });
 
 /// Adds kinds that have no method of their name.
@@ -126,7 +129,13 @@ const NAMED: &[Method] = &[
 impl Method {
     /// Neither ours nor run unasked, of no size that a sweep may choose.
     const fn new(name: &'static str, about: &'static str, engine: Engine) -> Self {
-        Self { name, about, engine, size: None, ours: false, swept: false }
+        Self { name, about, engine, size: None, ours: false, swept: false, denoised: false }
+    }
+
+    /// The same, its pictures denoised. Made once, for the list.
+    fn twin(self) -> Self {
+        let [name, about] = [format!("{}-denoised", self.name), format!("{}; denoised", self.about)];
+        Self { name: name.leak(), about: about.leak(), size: None, denoised: true, ..self }
     }
 
     /// Harmonics of the order that τ asks for.

@@ -2,6 +2,7 @@
 
 use super::method::{Engine, Method, Size};
 use super::setting::Setting;
+use render::denoise::Denoiser;
 use render::scene::load::Options;
 use std::path::PathBuf;
 
@@ -50,6 +51,8 @@ pub struct Plan {
     pub width: Option<u32>,
     /// How scenes are loaded: their parameters, and what may be missing.
     pub load: Options,
+    /// What denoises the pictures of methods that ask for it.
+    pub denoiser: Option<Denoiser>,
     /// Folder of tables.
     pub tables: PathBuf,
     /// Seed.
@@ -79,7 +82,13 @@ impl Plan {
             Engine::Traced => Vec::new(),
             Engine::Cached(..) => self.taus.iter().map(|t| Setting::Tau(*t)).collect(),
         };
-        self.times.iter().map(|t| Setting::Time(*t)).chain(quality).chain(sizes).collect()
+        let times = self.times.iter().map(|t| Setting::Time(*t));
+        // What noise is left at a quality is that of its samples: a denoiser is judged at equal time.
+        if method.denoised && !self.times.is_empty() {
+            times.collect()
+        } else {
+            times.chain(quality).chain(sizes).collect()
+        }
     }
 
     /// All cells of a scene.

@@ -7,6 +7,8 @@ use plotters::style::text_anchor::HPos;
 
 /// Size of a figure, px.
 const SIZE: (f64, f64) = (600.0, 400.0);
+/// Length of a dash and of the gap after it, px.
+const DASH: (f64, f64) = (5.0, 4.0);
 /// Height of a line of the legend, px.
 const LINE: f64 = 20.0;
 
@@ -20,6 +22,8 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
     /// Whether the points are one sweep, which a line joins.
     pub joined: bool,
+    /// Whether that line is dashed.
+    pub dashed: bool,
 }
 
 /// What the axes say.
@@ -107,14 +111,18 @@ pub fn plot(axes: &Axes, series: &[Series]) -> Result<String, DrawError> {
         }
         if let Some((y, name)) = axes.floor {
             let line = [x_range.start, x_range.end].map(|x| (x, y));
-            let (dash, gap) = (px(5.0) as u32, px(4.0) as u32);
+            let (dash, gap) = (px(DASH.0) as u32, px(DASH.1) as u32);
             plot.draw_series(DashedLineSeries::new(line, dash, gap, stroke(INK.mix(0.5), 1.2))).map_err(failed)?;
             let (left, height) = plot.backend_coord(&(x_range.start, y));
             let place = (left - corner.0 + px(6.0), height - corner.1 - px(8.0));
             area.draw(&Text::new(name, place, text(10.5, &INK, HPos::Left))).map_err(failed)?;
         }
         for s in series {
-            if s.joined {
+            if s.joined && s.dashed {
+                let (dash, gap) = (px(DASH.0) as u32, px(DASH.1) as u32);
+                let points = s.points.iter().copied();
+                plot.draw_series(DashedLineSeries::new(points, dash, gap, stroke(s.color, 1.8))).map_err(failed)?;
+            } else if s.joined {
                 plot.draw_series(LineSeries::new(s.points.iter().copied(), stroke(s.color, 1.8))).map_err(failed)?;
             }
             plot.draw_series(s.points.iter().map(|p| Circle::new(*p, px(3.4), s.color.filled()))).map_err(failed)?;
@@ -140,8 +148,10 @@ fn places(series: &[Series]) -> Vec<(f64, f64)> {
 
 /// A line of the legend.
 fn entry(canvas: &Canvas, s: &Series, (x, y): (f64, f64)) -> Result<(), DrawError> {
-    if s.joined {
-        canvas.draw(&PathElement::new(vec![at(x, y), at(x + 22.0, y)], stroke(s.color, 1.8))).map_err(failed)?;
+    // A dashed line has a gap on both sides of its marker.
+    let parts: &[(f64, f64)] = if s.dashed { &[(0.0, 5.0), (17.0, 22.0)] } else { &[(0.0, 22.0)] };
+    for (from, to) in parts.iter().filter(|_| s.joined) {
+        canvas.draw(&PathElement::new(vec![at(x + from, y), at(x + to, y)], stroke(s.color, 1.8))).map_err(failed)?;
     }
     canvas.draw(&Circle::new(at(x + 11.0, y), px(3.4), s.color.filled())).map_err(failed)?;
     canvas.draw(&Text::new(s.name.as_str(), at(x + 29.0, y), text(12.0, &INK, HPos::Left))).map_err(failed)
@@ -169,8 +179,13 @@ mod tests {
 
     #[test]
     fn a_figure_holds_every_curve() {
-        let series =
-            |name: &str| Series { name: name.into(), color: INK, points: vec![(1.0, 0.1), (10.0, 0.01)], joined: true };
+        let series = |name: &str| Series {
+            name: name.into(),
+            color: INK,
+            points: vec![(1.0, 0.1), (10.0, 0.01)],
+            joined: true,
+            dashed: name == "two",
+        };
         let axes = Axes { x: "seconds", y: "error", floor: Some((0.001, "noise")) };
         let svg = plot(&axes, &[series("one"), series("two")]).unwrap();
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"));

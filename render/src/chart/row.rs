@@ -29,7 +29,7 @@ pub struct Row {
     pub fill: f64,
     /// Time from there to the picture, s.
     pub shade: f64,
-    /// Their sum, s.
+    /// Their sum, and the time to denoise the picture, s.
     pub seconds: f64,
     /// Quality τ in force; 0 for a method without.
     pub tau: f64,
@@ -61,6 +61,9 @@ pub struct Row {
     pub leaks: f64,
     /// Share of pixels with negative light.
     pub negative: f64,
+    /// Time to denoise the picture, s.
+    #[serde(default)]
+    pub denoise: f64,
 }
 
 impl Row {
@@ -71,11 +74,12 @@ impl Row {
 
     /// Leaves six digits of every measured number: more say nothing.
     pub fn round(&mut self) {
-        let Self { fill, shade, seconds, tau, size, bytes_per_record, rmse, rel_mse, bias, .. } = self;
+        let Self { fill, shade, denoise, seconds, tau, size, bytes_per_record, rmse, rel_mse, bias, .. } = self;
         let Self { max, flip, blocks, worst, leaks, negative, .. } = self;
         for x in [
             fill,
             shade,
+            denoise,
             seconds,
             tau,
             size,
@@ -108,11 +112,12 @@ impl Row {
         }
         let hexadecimal = self.digest.len() == 8 && self.digest.bytes().all(|b| b.is_ascii_hexdigit());
         ensure!(hexadecimal, "digest: `{}` is not of 8 hexadecimal digits", self.digest.escape_debug());
-        let Self { fill, shade, seconds, tau, size, bytes_per_record, .. } = *self;
+        let Self { fill, shade, denoise, seconds, tau, size, bytes_per_record, .. } = *self;
         let Self { rmse, rel_mse, max, flip, blocks, worst, leaks, negative, bias, .. } = *self;
         for (column, x) in [
             ("fill", fill),
             ("shade", shade),
+            ("denoise", denoise),
             ("seconds", seconds),
             ("tau", tau),
             ("size", size),

@@ -1,5 +1,6 @@
 //! `render chart`.
 
+use super::denoise::Denoising;
 use super::reading::Reading;
 use crate::chart::method::{Engine, METHODS, Method, Size, find};
 use crate::chart::plan::{Plan, Reference};
@@ -54,7 +55,7 @@ pub struct Args {
     /// About the most seconds for such a reference [default: 240].
     #[arg(long, value_name = "SECONDS", conflicts_with = "reference", value_parser = parse_time())]
     reference_time: Option<f64>,
-    /// Methods [default: all but auto; all for a suite].
+    /// Methods [default: all but auto, and at the time budgets their denoised twins; all but those for a suite].
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = methods())]
     methods: Vec<&'static Method>,
     /// Budgets in seconds, kept by every method [default: 0.5,1,2,4; none for a suite].
@@ -75,6 +76,8 @@ pub struct Args {
     /// Width of the film in pixels; keeps the aspect [default: the scene's; 64 for a suite].
     #[arg(long, value_parser = whole(1..=Film::MAX_SIZE, ""))]
     width: Option<u32>,
+    #[command(flatten)]
+    denoising: Denoising,
     #[command(flatten)]
     reading: Reading,
     /// Folder of fitted tables; what is missing is fitted and kept there [default: tables].
@@ -135,7 +138,20 @@ fn plan(args: Args) -> Result<Plan> {
     );
     let methods = match args.methods {
         m if !m.is_empty() => m,
-        _ => METHODS.iter().filter(|m| stability || m.swept).collect(),
+        _ if stability => METHODS.iter().filter(|m| !m.denoised).collect(),
+        _ => METHODS.iter().filter(|m| m.swept && !(m.denoised && args.denoising.is_off())).collect(),
+    };
+    let twin = methods.iter().find(|m| m.denoised);
+    ensure!(
+        twin.is_some() || !args.denoising.is_given(),
+        "--denoise and --oidn need one of the --methods whose names end in -denoised"
+    );
+    let denoiser = match twin {
+        Some(twin) => {
+            ensure!(!args.denoising.is_off(), "--denoise off: {} is denoised", twin.name);
+            args.denoising.open(true, args.threads.unwrap_or(0).into())?
+        }
+        None => None,
     };
     for (i, method) in methods.iter().enumerate() {
         ensure!(methods[..i].iter().all(|m| m.name != method.name), "--methods: {} is there twice", method.name);
@@ -167,6 +183,7 @@ fn plan(args: Args) -> Result<Plan> {
         stability,
         width: args.width.or(stability.then_some(64)),
         load: args.reading.options()?,
+        denoiser,
         tables: args.tables.unwrap_or("tables".into()),
         seed: args.seed,
         indirect_only: args.indirect_only,

@@ -42,6 +42,16 @@ enum Mode {
 }
 
 impl Denoising {
+    /// Whether the noise is to be left in.
+    pub fn is_off(&self) -> bool {
+        self.denoise == Some(Mode::Off)
+    }
+
+    /// Whether anything is asked for but to leave the noise in.
+    pub fn is_given(&self) -> bool {
+        self.oidn.is_some() || self.denoise.is_some_and(|mode| mode != Mode::Off)
+    }
+
     /// Opens the denoiser, before the work begins; `None` for none.
     ///
     /// # Errors

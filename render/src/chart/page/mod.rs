@@ -1,5 +1,6 @@
 //! The page a person reads: one HTML file that needs no other.
 
+mod crops;
 pub(crate) mod html;
 mod orders;
 mod reach;
@@ -15,6 +16,7 @@ use super::row::Row;
 use super::subject::Subject;
 use super::{Results, cell};
 use anyhow::{Context, Result};
+use crops::Shown;
 use html::{escape, picture, table};
 use render::image::{write_png, write_whole};
 use sentences::sentences;
@@ -125,6 +127,7 @@ fn pictures(results: &Results, subject: &Subject, rows: &[&Row]) -> Result<Strin
         "<div class=\"{class}\">\n<figure>{}<figcaption>reference</figcaption></figure>\n",
         picture(&read(&reference)?, "reference")
     );
+    let mut crops = Vec::new();
     for name in methods(rows.iter().copied()) {
         let own = || rows.iter().filter(|r| r.method == name);
         // A peer's runs have settings of their own.
@@ -137,17 +140,22 @@ fn pictures(results: &Results, subject: &Subject, rows: &[&Row]) -> Result<Strin
         if !files.iter().all(|f| f.exists()) {
             continue;
         }
-        let [shown, difference] = files.map(|f| read(&f));
+        let [shown, difference] = [read(&files[0])?, read(&files[1])?];
         let about = format!("{name}, {:.2} s, rel_mse {}", row.seconds, plain(&row.rel_mse));
         let _ = writeln!(
             text,
             "<figure>{}{}<figcaption>{}</figcaption></figure>",
-            picture(&shown?, &about),
-            picture(&difference?, &format!("difference of {about}")),
+            picture(&shown, &about),
+            picture(&difference, &format!("difference of {about}")),
             escape(&about)
         );
+        crops.push(Shown { about, png: shown });
     }
-    Ok(text + "</div>\n")
+    text += "</div>\n";
+    if !plan.stability {
+        text += &crops::section(&read(&reference)?, &crops)?;
+    }
+    Ok(text)
 }
 
 /// All runs.
@@ -159,7 +167,7 @@ fn runs(results: &Results) -> String {
         let place = |r: &&Row| names.iter().position(|n| *n == r.method);
         rows.sort_by(|a, b| (place(a), is_budget(b)).cmp(&(place(b), is_budget(a))));
         for r in rows {
-            let seconds = [r.fill, r.shade, r.seconds].map(|s| format!("{s:.2}"));
+            let seconds = [r.fill, r.shade, r.denoise, r.seconds].map(|s| format!("{s:.2}"));
             let errors =
                 [Some(r.rmse), Some(r.rel_mse), Some(r.max), r.flip].map(|e| e.map_or("–".into(), |e| plain(&e)));
             let memory = [r.size, r.bytes_per_record, r.bytes as f64 / 1e3].map(|x| plain(&x));
@@ -180,6 +188,7 @@ fn runs(results: &Results) -> String {
         "spp",
         "fill s",
         "shade s",
+        "denoise s",
         "total s",
         "records",
         "EAS / order",
@@ -197,7 +206,7 @@ fn runs(results: &Results) -> String {
 
 const MEASURES: &str = "<h2 id=\"measures\">How to read it</h2>
 <ul>
-<li>Seconds are those of filling the caches and drawing the picture: not loading, not fitting of tables.</li>
+<li>Seconds are those of filling the caches, drawing the picture and denoising it: not loading, not fitting of tables.</li>
 <li>RMSE: over pixels and channels, linear RGB. rel_mse: mean of squared error / (reference² + 0.01). Bias: mean difference over
 the mean of the reference. Max: largest difference of a channel. Flip: mean ꟻLIP error of the sRGB views.</li>
 <li>Bytes per record and number of EAS are means over the glossy records; KB in all are those of all records, irradiance
