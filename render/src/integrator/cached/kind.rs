@@ -6,7 +6,7 @@ use super::policy::Finish;
 use super::settings::Quality;
 use super::site::Site;
 use crate::bsdf::{Parts, Split};
-use crate::cache::Cache;
+use crate::cache::{Cache, Lookup};
 use crate::record::{Receiver, Record};
 use crate::scene::Rgb;
 use crate::scene::checksum::Hash;
@@ -34,7 +34,7 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// What a method that asks for it must tell besides.
     type Settings: Copy + Debug + PartialEq;
     /// What it keeps at a point.
-    type Record: Record + Clone + Debug;
+    type Record: Record + Clone + Debug + 'static;
     /// How it holds a material.
     type Held: Copy + Debug + PartialEq + Serialize;
     /// Memory for reading records, used again from point to point.
@@ -91,7 +91,7 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     fn reflect(
         &self,
         held: Self::Held,
-        cache: &Cache<Self::Record>,
+        records: &impl Lookup<Self::Record>,
         at: &Shaded,
         quality: &Quality,
         scratch: &mut Self::Scratch,

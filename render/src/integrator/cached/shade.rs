@@ -5,6 +5,7 @@ use super::caches::Caches;
 use super::diffuse::interpolated;
 use super::incident::{IncidentTracer, sample_light};
 use super::indirect::Indirect;
+use super::interpolation::Records;
 use super::kind::{Found, Shaded};
 use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, Walk, see};
@@ -198,7 +199,7 @@ impl Shader<'_> {
             && self.has_indirect(&alone)
         {
             let one_path = |_: f32| (1, |_: u32| **sampler);
-            out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries).light;
+            out.indirect = out.indirect + self.surface(&alone, self.caches, &one_path, scratch, queries).light;
         }
     }
 
@@ -261,6 +262,7 @@ impl Shader<'_> {
     pub fn indirect(
         &self,
         surfaces: &[Surface],
+        records: &impl Records,
         samplers: &impl Fn(u32) -> Sampler,
         scratch: &mut Scratches,
         queries: &mut Queries,
@@ -273,7 +275,7 @@ impl Shader<'_> {
                 let least = self.paths.least.max(self.paths.doubted * doubt);
                 (s.samples.max(share * least) as u32, samplers)
             };
-            sum += self.surface(s, &paths, scratch, queries);
+            sum += self.surface(s, records, &paths, scratch, queries);
         }
         sum
     }
@@ -286,13 +288,13 @@ impl Shader<'_> {
 
     /// What records say of a surface with these colours, summed over its samples.
     #[inline(always)]
-    fn found(&self, s: &Surface, parts: &Parts, scratch: &mut Scratches) -> Found {
-        let position = s.position / s.samples;
+    fn found(&self, s: &Surface, parts: &Parts, records: &impl Records, scratch: &mut Scratches) -> Found {
+        let position = s.mean_position();
         let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
         let hemisphere = s.point.hemisphere_normal();
         match self.policy.treatment(s.finish()) {
             Treatment::Irradiance => {
-                let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
+                let found = interpolated(&records.irradiance(), position, hemisphere, normal);
                 let light =
                     found.map(|e| Split { diffuse: parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
                 let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
@@ -302,7 +304,7 @@ impl Shader<'_> {
                 let frame = turned(&s.point, normal);
                 let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
                 let surface = Shaded { at, hemisphere, finish: s.point.finish, parts };
-                glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
+                glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, records, scratch })
             }
             Treatment::Traced => Found::NOTHING,
         }
@@ -311,7 +313,9 @@ impl Shader<'_> {
     /// What a surface reflects if its diffuse part is white, where records say all of it; of the specular part for all samples.
     #[inline(always)]
     pub(super) fn held_on_white(&self, s: &Surface, scratch: &mut Scratches) -> Option<Split> {
-        let found = self.has_indirect(s).then(|| self.found(s, &Parts { diffuse: Rgb::ONE, ..s.parts }, scratch))?;
+        let found = self
+            .has_indirect(s)
+            .then(|| self.found(s, &Parts { diffuse: Rgb::ONE, ..s.parts }, self.caches, scratch))?;
         found.light.filter(|_| found.traced == 0.0)
     }
 
@@ -320,11 +324,12 @@ impl Shader<'_> {
     fn surface<S: Fn(u32) -> Sampler>(
         &self,
         s: &Surface,
+        records: &impl Records,
         paths: &impl Fn(f32) -> (u32, S),
         scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Indirect {
-        let Found { light: cached, traced, doubt } = self.found(s, &s.parts, scratch);
+        let Found { light: cached, traced, doubt } = self.found(s, &s.parts, records, scratch);
         let (path, half) = match cached {
             Some(_) if traced == 0.0 => (Split::ZERO, Rgb::ZERO),
             // Nothing reaches here: trace instead.
@@ -378,18 +383,19 @@ pub(super) struct Ended<'a> {
 }
 
 /// What the records of its kind reflect at a surface.
-struct Read<'a> {
+struct Read<'a, R> {
     shader: &'a Shader<'a>,
     surface: &'a Shaded<'a>,
+    records: &'a R,
     scratch: &'a mut Scratches,
 }
 
-impl WithKind for Read<'_> {
+impl<R: Records> WithKind for Read<'_, R> {
     type Out = Found;
 
     #[inline(always)]
     fn run<K: Listed>(self, kind: &K, held: K::Held) -> Found {
-        let Shader { caches, quality, .. } = self.shader;
-        kind.reflect(held, K::cache(&caches.glossy), self.surface, quality, K::scratch(self.scratch))
+        let records = self.records.glossy::<K>();
+        kind.reflect(held, &records, self.surface, &self.shader.quality, K::scratch(self.scratch))
     }
 }

@@ -6,7 +6,7 @@ mod shade;
 mod want;
 
 use crate::bsdf::Parts;
-use crate::cache::Cache;
+use crate::cache::Lookup;
 use crate::color::mean_radiance;
 use crate::integrator::cached::file::{CacheFileError, Reader};
 use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
@@ -111,12 +111,12 @@ impl GlossyKind for Eas {
     fn reflect(
         &self,
         held: Held,
-        cache: &Cache<EasRecord>,
+        records: &impl Lookup<EasRecord>,
         at: &Shaded,
         quality: &Quality,
         scratch: &mut Scratch,
     ) -> Found {
-        self.interpolated(held, cache, at, quality, scratch)
+        self.interpolated(held, records, at, quality, scratch)
     }
 
     fn write(record: &EasRecord, bytes: &mut Vec<u8>) {

@@ -2,7 +2,7 @@
 
 use super::{Eas, Held};
 use crate::bsdf::Split;
-use crate::cache::{Cache, FOUND};
+use crate::cache::{FOUND, Lookup};
 use crate::color::mean_radiance;
 use crate::integrator::cached::kind::{Found, Shaded};
 use crate::integrator::cached::settings::Quality;
@@ -23,7 +23,7 @@ impl Eas {
     pub(super) fn interpolated(
         &self,
         held: Held,
-        cache: &Cache<EasRecord>,
+        records: &impl Lookup<EasRecord>,
         surface: &Shaded,
         quality: &Quality,
         scratch: &mut Scratch,
@@ -36,7 +36,7 @@ impl Eas {
         let (mut seen, mut others) = (0.0, false);
         let mirror = at.frame.to_world(Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z));
         // `sum.trust` is the weight of the specular sum.
-        cache.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
+        records.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
             if surface.finish.reads(record.zone().material) {
                 let part = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
                 let view = w * record.views.trust(mirror, lobe.width);
