@@ -125,12 +125,19 @@ fn hold<S: Simd>(simd: S, columns: [&[[f32; LANES]]; 4], p: Vec3A, bits: &mut [u
 }
 
 /// The records of a cache that are drawn onto a tile.
-#[derive(Clone, Copy)]
 pub struct Drawn<'a, R> {
     /// All of the cache.
     pub cache: &'a Cache<R>,
     /// Those that may reach what the tile shows.
     pub near: &'a Near,
+}
+
+impl<'a, R> Drawn<'a, R> {
+    /// All of the tile, in the order in which [`Lookup::interpolate`] calls them.
+    pub fn records(&self) -> impl Iterator<Item = &'a R> {
+        let Self { cache, near } = *self;
+        near.records.iter().map(|&i| &cache.records[i as usize])
+    }
 }
 
 impl<R: Record> Lookup<R> for Drawn<'_, R> {

@@ -1,10 +1,6 @@
 //! Who sums the records of a pixel.
 
-use super::caches::Caches;
-use super::kinds::Listed;
-use super::splat::{Splats, Tile};
-use crate::cache::{Drawn, Lookup};
-use crate::record::irradiance::IrradianceRecord;
+use super::shade::Reading;
 
 /// Who sums the records of a pixel. The pictures are the same to the last bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,49 +15,12 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Whether records are drawn.
-    pub(super) fn splats(self) -> bool {
+    /// Whether records are drawn. Where few pixels read them, tiles have little to share.
+    pub(super) fn splats(self, reading: Reading) -> bool {
         match self {
+            Self::Auto => reading == Reading::Every,
+            Self::Octree => false,
             Self::Splat => true,
-            Self::Auto | Self::Octree => false,
         }
-    }
-}
-
-/// Where records about a surface are found.
-pub(super) trait Records {
-    /// Those of irradiance on diffuse surfaces.
-    fn irradiance(&self) -> impl Lookup<IrradianceRecord>;
-    /// Those of a kind.
-    fn glossy<K: Listed>(&self) -> impl Lookup<K::Record>;
-}
-
-impl Records for Caches {
-    #[inline(always)]
-    fn irradiance(&self) -> impl Lookup<IrradianceRecord> {
-        &self.irradiance
-    }
-
-    #[inline(always)]
-    fn glossy<K: Listed>(&self) -> impl Lookup<K::Record> {
-        K::cache(&self.glossy)
-    }
-}
-
-/// Records that are drawn onto a tile.
-pub(super) struct OnTile<'a> {
-    pub splats: &'a Splats<'a>,
-    pub tile: &'a Tile,
-}
-
-impl Records for OnTile<'_> {
-    #[inline(always)]
-    fn irradiance(&self) -> impl Lookup<IrradianceRecord> {
-        Drawn { cache: &self.splats.caches.irradiance, near: &self.tile.irradiance }
-    }
-
-    #[inline(always)]
-    fn glossy<K: Listed>(&self) -> impl Lookup<K::Record> {
-        Drawn { cache: K::cache(&self.splats.caches.glossy), near: K::part(&self.tile.glossy) }
     }
 }

@@ -6,7 +6,7 @@ use super::policy::Finish;
 use super::settings::Quality;
 use super::site::Site;
 use crate::bsdf::{Parts, Split};
-use crate::cache::{Cache, Lookup};
+use crate::cache::{Cache, Drawn, Lookup};
 use crate::record::{Receiver, Record};
 use crate::scene::Rgb;
 use crate::scene::checksum::Hash;
@@ -96,6 +96,17 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
         quality: &Quality,
         scratch: &mut Self::Scratch,
     ) -> Found;
+
+    /// What the records drawn onto a tile reflect at some of its surfaces, all held alike: what [`GlossyKind::reflect`] says of
+    /// each, in their order, to the last bit.
+    fn splat(
+        &self,
+        held: Self::Held,
+        records: &Drawn<Self::Record>,
+        surfaces: &[Shaded],
+        quality: &Quality,
+        scratch: &mut Self::Scratch,
+    ) -> Vec<Found>;
 
     /// Appends a record to a file.
     fn write(record: &Self::Record, bytes: &mut Vec<u8>);

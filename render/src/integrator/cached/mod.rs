@@ -5,6 +5,7 @@ mod build;
 mod caches;
 mod components;
 mod diffuse;
+mod drawn;
 pub mod file;
 mod grades;
 mod incident;

@@ -34,7 +34,7 @@ pub(super) struct Passes<'a> {
     /// Of each pixel.
     surfaces: Vec<Vec<Surface>>,
     /// The records on the film, where they are drawn onto it.
-    splats: Option<Splats<'a>>,
+    splats: Option<Splats>,
     spp: u32,
     counts: Counts,
 }
@@ -46,8 +46,10 @@ impl<'a> Passes<'a> {
         let window = camera.film.window();
         let count = window.width as usize * window.height as usize;
         let generator = RayGenerator::new(camera);
-        let splats =
-            settings.interpolation.splats().then(|| Splats::new(shader.caches, &generator, camera.lens.is_some()));
+        let splats = settings
+            .interpolation
+            .splats(shader.reading)
+            .then(|| Splats::new(shader.caches, &generator, camera.lens.is_some()));
         Self {
             shader,
             settings,

@@ -24,8 +24,7 @@ const ULPS: f32 = 16.0;
 const PIXELS: f64 = 0.02;
 
 /// The records of all caches as a camera sees them.
-pub(super) struct Splats<'a> {
-    pub(super) caches: &'a Caches,
+pub(super) struct Splats {
     /// Whether surfaces appear elsewhere than they are.
     lens: bool,
     irradiance: Placed,
@@ -37,6 +36,15 @@ pub(super) struct Splats<'a> {
 pub(super) struct Tile {
     pub irradiance: Near,
     pub glossy: PerKind<Near>,
+    /// Those that may appear in the rows of the tile.
+    rows: Rows,
+}
+
+/// Places of spheres that may appear in some rows of pixels, by cache.
+#[derive(Default)]
+struct Rows {
+    irradiance: Vec<u32>,
+    glossy: PerKind<Vec<u32>>,
 }
 
 /// The spheres of a cache, and the columns and rows of pixels whose samples may show them.
@@ -76,17 +84,30 @@ impl Placed {
         Self { pixels: pixels.collect(), spheres }
     }
 
-    /// Adds to `near` those that the surfaces of a tile may need.
-    fn near(&self, place: &Place, near: &mut Near) {
+    /// Finds those that may appear in these rows.
+    fn in_rows(&self, rows: &Range<i32>, found: &mut Vec<u32>) {
+        found.clear();
+        found.extend((0..).zip(&self.pixels).filter(|(_, [_, y])| meets(y, rows)).map(|(i, _)| i));
+    }
+
+    /// Finds those that the surfaces of a tile may need; `in_rows` are those in its rows.
+    fn near(&self, place: &Place, in_rows: &[u32], near: &mut Near) {
         near.clear();
         let Place { pixels: [columns, rows], seen, elsewhere } = place;
-        for (i, [x, y]) in self.pixels.iter().enumerate() {
-            let on_tile = meets(y, rows) && meets(x, columns);
-            if (on_tile || !elsewhere.is_empty()) && {
+        let on_tile = |i: usize| meets(&self.pixels[i][0], columns) && meets(&self.pixels[i][1], rows);
+        if elsewhere.is_empty() {
+            for &i in in_rows {
+                let i = i as usize;
+                if on_tile(i) && seen.meets(widened(self.spheres.get(i))) {
+                    near.add(&self.spheres, i);
+                }
+            }
+        } else {
+            for i in 0..self.spheres.len() {
                 let sphere = widened(self.spheres.get(i));
-                (on_tile && seen.meets(sphere)) || elsewhere.meets(sphere)
-            } {
-                near.add(&self.spheres, i);
+                if elsewhere.meets(sphere) || (on_tile(i) && seen.meets(sphere)) {
+                    near.add(&self.spheres, i);
+                }
             }
         }
     }
@@ -135,18 +156,25 @@ impl Box3 {
     }
 }
 
-impl<'a> Splats<'a> {
+impl Splats {
     /// As a camera sees them.
-    pub fn new(caches: &'a Caches, camera: &RayGenerator, lens: bool) -> Self {
+    pub fn new(caches: &Caches, camera: &RayGenerator, lens: bool) -> Self {
         let film = Film { silhouettes: Silhouettes::new(camera), reach: camera.filter_reach().into() };
         let mut each = PlaceEach { caches, film: &film, glossy: PerKind::default() };
         let Ok(()) = kinds::each(&mut each);
         let glossy = each.glossy;
-        Self { caches, lens, irradiance: Placed::new(&caches.irradiance, &film), glossy }
+        Self { lens, irradiance: Placed::new(&caches.irradiance, &film), glossy }
     }
 
-    /// Finds the records for the surfaces of some pixels of the film.
-    pub fn draw<'s>(&self, pixels: &Crop, surfaces: impl Iterator<Item = &'s Surface>, tile: &mut Tile) {
+    /// Notes the records in some rows of the film, for the tiles of these rows.
+    pub fn enter(&self, rows: Range<u32>, tile: &mut Tile) {
+        let rows = rows.start as i32..rows.end as i32;
+        self.irradiance.in_rows(&rows, &mut tile.rows.irradiance);
+        let Ok(()) = kinds::each(&mut EnterEach { splats: self, rows, tile });
+    }
+
+    /// Finds the records for the surfaces of some columns of the rows that were entered.
+    pub fn draw(&self, pixels: &Crop, surfaces: &[&Surface], tile: &mut Tile) {
         let (mut seen, mut elsewhere) = (Box3::EMPTY, Box3::EMPTY);
         for surface in surfaces {
             let to = if self.lens || !surface.is_seen_directly() { &mut elsewhere } else { &mut seen };
@@ -155,8 +183,23 @@ impl<'a> Splats<'a> {
         let range = |start: u32, length: u32| start as i32..(start + length) as i32;
         let pixels = [range(pixels.x, pixels.width), range(pixels.y, pixels.height)];
         let place = Place { pixels, seen, elsewhere };
-        self.irradiance.near(&place, &mut tile.irradiance);
+        self.irradiance.near(&place, &tile.rows.irradiance, &mut tile.irradiance);
         let Ok(()) = kinds::each(&mut DrawEach { splats: self, place: &place, tile });
+    }
+}
+
+struct EnterEach<'a> {
+    splats: &'a Splats,
+    rows: Range<i32>,
+    tile: &'a mut Tile,
+}
+
+impl EachKind for EnterEach<'_> {
+    type Error = Infallible;
+
+    fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        K::part(&self.splats.glossy).in_rows(&self.rows, K::part_mut(&mut self.tile.rows.glossy));
+        Ok(())
     }
 }
 
@@ -176,7 +219,7 @@ impl EachKind for PlaceEach<'_> {
 }
 
 struct DrawEach<'a> {
-    splats: &'a Splats<'a>,
+    splats: &'a Splats,
     place: &'a Place,
     tile: &'a mut Tile,
 }
@@ -185,7 +228,8 @@ impl EachKind for DrawEach<'_> {
     type Error = Infallible;
 
     fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
-        K::part(&self.splats.glossy).near(self.place, K::part_mut(&mut self.tile.glossy));
+        let Tile { glossy, rows, .. } = &mut *self.tile;
+        K::part(&self.splats.glossy).near(self.place, &K::part(&rows.glossy)[..], K::part_mut(glossy));
         Ok(())
     }
 }

@@ -66,6 +66,12 @@ impl Surface {
         self.position / self.samples
     }
 
+    /// The normal with which it is read.
+    #[inline]
+    pub(super) fn mean_normal(&self) -> Vec3A {
+        self.normal.try_normalize().unwrap_or(self.point.frame.normal())
+    }
+
     /// Whether the ray from the eye met it first.
     pub(super) fn is_seen_directly(&self) -> bool {
         self.point.segments == 1

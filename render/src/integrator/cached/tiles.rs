@@ -1,7 +1,8 @@
 //! Indirect light of rows of pixels, tile by tile, once their surfaces are known.
 
+use super::drawn;
 use super::indirect::Indirect;
-use super::interpolation::{OnTile, Records};
+use super::kind::Found;
 use super::kinds::Scratches;
 use super::shade::Shader;
 use super::splat::{SIDE, Splats, Tile};
@@ -25,7 +26,7 @@ pub(super) struct Memory {
 pub(super) struct Reader<'a> {
     pub shader: &'a Shader<'a>,
     /// Records drawn onto the film; without them pixels look for records.
-    pub splats: Option<&'a Splats<'a>>,
+    pub splats: Option<&'a Splats>,
     pub seed: u64,
     /// Samples of every pixel.
     pub spp: u32,
@@ -47,35 +48,46 @@ impl Reader<'_> {
     ) -> (Counts, u64) {
         let (mut queries, mut negative) = (Queries::default(), 0);
         let Memory { scratch, tile } = memory;
+        if let Some(splats) = self.splats {
+            splats.enter(place.1..place.1 + surfaces.len().div_ceil(width) as u32, tile);
+        }
         for left in (0..width).step_by(SIDE) {
             let columns = left..(left + SIDE).min(width);
             let rows = surfaces.chunks(width).map(|row| &row[columns.clone()]);
-            let start = (place.0 + left as u32, place.1);
-            if let Some(splats) = self.splats {
-                let (width, height) = (columns.len() as u32, surfaces.len().div_ceil(width) as u32);
-                let crop = Crop { x: start.0, y: start.1, width, height };
-                splats.draw(&crop, rows.clone().flatten().flatten(), tile);
-            }
             let known = known.chunks(width).map(|row| &row[columns.clone()]);
+            let start = (place.0 + left as u32, place.1);
+            let mut on_tile = self.splats.map(|splats| {
+                let pixels = rows.clone().flatten().zip(known.clone().flatten());
+                let all = pixels.filter(|(_, known)| known.is_none()).flat_map(|(surfaces, _)| surfaces);
+                let all: Vec<&Surface> = all.filter(|s| self.shader.has_indirect(s)).collect();
+                let (width, height) = (columns.len() as u32, surfaces.len().div_ceil(width) as u32);
+                splats.draw(&Crop { x: start.0, y: start.1, width, height }, &all, tile);
+                drawn::found(self.shader, tile, &all, scratch).into_iter()
+            });
             let pixels = pixels.chunks_mut(width).map(|row| &mut row[columns.clone()]);
             for (y, ((row, surfaces), known)) in (start.1..).zip(pixels.zip(rows).zip(known)) {
                 let (place, row) = ((start.0, y), (row, surfaces, known));
-                negative += match self.splats {
-                    Some(splats) => self.row(place, row, &OnTile { splats, tile }, scratch, &mut queries),
-                    None => self.row(place, row, self.shader.caches, scratch, &mut queries),
+                negative += match &mut on_tile {
+                    Some(found) => {
+                        let next = |_: &Surface| found.next().unwrap_or(Found::NOTHING);
+                        self.row(place, row, next, &mut queries)
+                    }
+                    None => {
+                        let look = |s: &Surface| self.shader.found(s, &s.parts, scratch);
+                        self.row(place, row, look, &mut queries)
+                    }
                 };
             }
         }
         (queries.counts, negative)
     }
 
-    /// The same of a part of a row: pixels where light is negative.
+    /// The same of a part of a row, `find` as in [`Shader::indirect`]: pixels where light is negative.
     fn row(
         &self,
         (x, y): (u32, u32),
         (pixels, surfaces, known): (&mut [Pixel], &[Vec<Surface>], &[Known]),
-        records: &impl Records,
-        scratch: &mut Scratches,
+        mut find: impl FnMut(&Surface) -> Found,
         queries: &mut Queries,
     ) -> u64 {
         let mut negative = 0;
@@ -88,7 +100,7 @@ impl Reader<'_> {
                     let samplers = |path: u32| Sampler::new(self.seed.wrapping_add(1), (x, y), path);
                     let indirect = match known {
                         Some(light) => Indirect::held(*light),
-                        None => self.shader.indirect(surfaces, records, &samplers, scratch, queries),
+                        None => self.shader.indirect(surfaces, &mut find, &samplers, queries),
                     };
                     if summable(indirect.light.sum()) {
                         let mut sum = pixel.sum();

@@ -4,7 +4,7 @@
 mod tests;
 
 use crate::bsdf::{Parts, Split};
-use crate::cache::{FOUND, Lookup};
+use crate::cache::{Drawn, FOUND, Lookup};
 use crate::hemisphere::nearest;
 use crate::integrator::cached::file::{CacheFileError, Reader, write_numbers, write_words};
 use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
@@ -119,6 +119,17 @@ impl GlossyKind for Ambient {
         let light = (weights > FOUND)
             .then(|| Split { diffuse: at.parts.diffuse * radiance, glossy: at.parts.specular * radiance });
         Found { light, traced: 0.0, doubt: 0.0 }
+    }
+
+    fn splat(
+        &self,
+        (): (),
+        records: &Drawn<AmbientRecord>,
+        surfaces: &[Shaded],
+        quality: &Quality,
+        scratch: &mut (),
+    ) -> Vec<Found> {
+        surfaces.iter().map(|at| self.reflect((), records, at, quality, scratch)).collect()
     }
 
     fn write(record: &AmbientRecord, bytes: &mut Vec<u8>) {
