@@ -6,7 +6,7 @@ use render::cache::Spacing;
 use render::film::render;
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Knobs, Settings, render_with};
+use render::integrator::cached::{Interpolation, Knobs, Settings, render_with};
 use render::metric::compare;
 use render::picture::Budget;
 use render::record::eas::Estimator;
@@ -66,6 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         seed: 1,
         // Direct light has noise of its own.
         indirect_only: true,
+        interpolation: Interpolation::Auto,
     };
     let integrator = PathTracer { settings: world.scene.integrator, indirect_only: true };
     let reference = render(&world, &integrator, Budget::Samples(REFERENCE_SPP), 7, &|_| ()).image();

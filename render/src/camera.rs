@@ -1,10 +1,13 @@
 //! Primary rays.
 
+mod sphere;
+
 use crate::frame::concentric_disk;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::{Camera, Filter, Lens, Projection};
 use glam::{Affine3A, Vec2, Vec3A};
+pub use sphere::{Bounds, Silhouettes};
 
 /// Intervals of the tabulated filter inverse.
 const TABLE: usize = 256;
@@ -59,6 +62,14 @@ impl Offset {
                 quantiles.resize(TABLE + 1, 0.0);
                 Self::Table(quantiles)
             }
+        }
+    }
+
+    /// The largest distance.
+    fn reach(&self) -> f32 {
+        match self {
+            Self::Box(radius) | Self::Tent(radius) => *radius,
+            Self::Table(quantiles) => quantiles[0],
         }
     }
 
@@ -166,6 +177,11 @@ impl RayGenerator {
         let film = self.center - Vec2::new(local.x, local.y) / (2.0 * distance * self.half);
         let pixel = film / self.inverse_size;
         pixel.is_finite().then_some((pixel.x, pixel.y))
+    }
+
+    /// How far from the middle of a pixel its samples lie at most, in pixels along either axis.
+    pub fn filter_reach(&self) -> f32 {
+        self.offset.reach()
     }
 
     /// Points of the rim of the lens, evenly spaced; none where everything is sharp.

@@ -29,6 +29,8 @@ mod pictures;
 mod pieces;
 #[path = "cached/spacing.rs"]
 mod spacing;
+#[path = "cached/splat.rs"]
+mod splat;
 #[path = "cached/textures.rs"]
 mod textures;
 #[path = "cached/translation.rs"]

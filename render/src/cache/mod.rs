@@ -2,15 +2,19 @@
 
 mod adapt;
 mod fill;
+mod lookup;
 mod octree;
 mod radius;
+mod spheres;
 
 use crate::record::Record;
 pub use adapt::{Shrink, WEBER_FRACTION, disagreeing};
 pub use fill::{Density, Filler, Grid, Progress};
 use glam::Vec3A;
+pub use lookup::Lookup;
 pub use octree::Octree;
 pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours, insert_clamped};
+pub use spheres::{Drawn, Near, Spheres};
 
 /// Sum of weights from which on records count as found.
 pub const FOUND: f32 = 1e-3;

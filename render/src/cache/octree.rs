@@ -39,6 +39,19 @@ impl Octree {
         self.insert_below(0, self.center, self.half, 0, (item, center, radius));
     }
 
+    /// Level of the nodes in which balls of this radius are filed, 0 for the root: [`Octree::visit`] meets those of lower levels
+    /// first.
+    pub fn level(&self, radius: f32) -> u32 {
+        let mut half = self.half;
+        (0..MAX_LEVEL)
+            .take_while(|_| {
+                let larger = half > 0.5 * radius;
+                half *= 0.5;
+                larger
+            })
+            .count() as u32
+    }
+
     fn insert_below(&mut self, node: usize, middle: Vec3A, half: f32, level: u32, ball: (u32, Vec3A, f32)) {
         let (item, center, radius) = ball;
         if half <= 0.5 * radius || level == MAX_LEVEL {

@@ -10,7 +10,7 @@ use render::film;
 use render::image::{Image, write_png};
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Figures, Settings, render_cached};
+use render::integrator::cached::{Figures, Interpolation, Settings, render_cached};
 use render::metric::defects::Defects;
 use render::metric::{compare, false_color};
 use render::outlines::{self, GUIDES};
@@ -116,6 +116,7 @@ pub fn run(
                 budget,
                 seed: plan.seed,
                 indirect_only: plan.indirect_only,
+                interpolation: Interpolation::Auto,
             };
             let policy = policies.of(allowed(setting))?;
             let (picture, figures, _) = render_cached(&subject.world, policy, &settings, None, progress);

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use render::image::Part;
 use render::image::view::View;
+use render::integrator::cached::Interpolation;
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients};
 
@@ -38,6 +39,13 @@ pub(super) const GRADIENTS: [Choice<Gradients>; 3] = [
     ("analytic", Gradients::Analytic, "By differentiating every term of the projection (§4.3.2)"),
     ("numerical", Gradients::Numerical, "By projecting every sample again from a displaced point (§4.3.1)"),
     ("none", Gradients::None, "None are stored: records are a third as large"),
+];
+
+/// Who sums the records of a pixel.
+pub(super) const INTERPOLATIONS: [Choice<Interpolation>; 3] = [
+    ("auto", Interpolation::Auto, "Whoever is faster"),
+    ("octree", Interpolation::Octree, "Pixels look for records, in an octree"),
+    ("splat", Interpolation::Splat, "Records are drawn onto the tiles of pixels that they reach (Gautron 2005)"),
 ];
 
 /// How a screen shows light.

@@ -1,7 +1,7 @@
 //! `render image`.
 
 use super::caching;
-use super::choices::{BASES, ESTIMATORS, GRADIENTS, choices};
+use super::choices::{BASES, ESTIMATORS, GRADIENTS, INTERPOLATIONS, choices};
 use super::denoise::{self, Denoising};
 use super::job::{Engine, Job};
 use super::lens::Optics;
@@ -18,6 +18,7 @@ use kit::number::{number, whole};
 use kit::with_progress;
 use render::film::render;
 use render::integrator::PathTracer;
+use render::integrator::cached::Interpolation;
 use render::picture::Picture;
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, MAX_ORDER};
@@ -73,6 +74,9 @@ pub struct Args {
     /// Keep records in this file: read where it exists, written at the end. The same camera gives the same picture.
     #[arg(long, value_name = "FILE", conflicts_with = "time")]
     pub(super) cache: Option<PathBuf>,
+    /// Who sums the records of a pixel; the picture is the same [default: auto].
+    #[arg(long, value_parser = choices(&INTERPOLATIONS))]
+    pub(super) interpolation: Option<Interpolation>,
     /// Samples per pixel [default: what the scene asks for].
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = whole(1..=1u32 << 22, ""))]
     pub(super) spp: Option<u32>,

@@ -143,6 +143,7 @@ impl Engine {
             budget,
             seed: args.seed,
             indirect_only: args.indirect_only,
+            interpolation: args.interpolation.unwrap_or_default(),
         };
         let tables = args.tables.clone().unwrap_or_else(|| "tables".into());
         // Half the error without a denoiser, and more of it with one, which takes noise away but no blotches.

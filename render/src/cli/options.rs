@@ -44,6 +44,7 @@ const RULES: &[Rule] = &[
     Rule { option: "--cache", given: |a| a.cache.is_some(), can: cached, why: NO_RECORDS },
     Rule { option: "--radius", given: |a| a.radius.is_some(), can: cached, why: NO_RECORDS },
     Rule { option: "--adaptive", given: |a| a.adaptive.is_some(), can: cached, why: NO_RECORDS },
+    Rule { option: "--interpolation", given: |a| a.interpolation.is_some(), can: cached, why: NO_RECORDS },
     Rule { option: "--show-records", given: |a| a.show_records.is_some(), can: cached, why: NO_RECORDS },
     Rule { option: "--eas", given: |a| a.eas.is_some(), can: eas, why: NO_EAS },
     Rule { option: "--sources", given: |a| a.sources.is_some(), can: eas, why: NO_EAS },

@@ -54,6 +54,8 @@ pub(super) struct Seconds {
     fit: f64,
     fill: f64,
     pub(super) shade: f64,
+    /// The part of `shade` for the indirect light of surfaces.
+    indirect: f64,
     denoise: f64,
     pub(super) write: f64,
     pub(super) total: f64,
@@ -90,6 +92,7 @@ impl Stats {
         self.seconds.fit = fitting.as_secs_f64();
         self.seconds.fill = figures.fill.as_secs_f64();
         self.seconds.shade = figures.shade.as_secs_f64();
+        self.seconds.indirect = figures.indirect.as_secs_f64();
         self.records = figures.records() as u64;
         for (mean, kind) in self.means.0.iter_mut().zip(figures.glossy.iter()) {
             *mean = kind.mean();

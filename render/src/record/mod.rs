@@ -16,6 +16,6 @@ pub use cut::{Cut, CutSettings, cut, global_error};
 pub use hessian::Hessian;
 pub use moved::Receiver;
 pub use reflector::{Albedo, Reflector};
-pub use translate::{Reflected, Scratch, reflect};
+pub use translate::{Reflected, Scratch, reflect, reflect_together};
 pub use tree::{Centroid, Node, Tree};
 pub use zone::{Record, Zone};

@@ -52,10 +52,31 @@ impl Moved {
     }
 }
 
+/// Where sources are moved to.
+struct Destination<T> {
+    /// Way from the record.
+    offset: [T; 3],
+    /// Axes of the local frame.
+    axes: [[T; 3]; 3],
+    /// Mirror direction of the eye, local frame.
+    mirror: [T; 3],
+}
+
+impl<T: Real> Destination<T> {
+    /// One point, in the type of `like`.
+    #[inline(always)]
+    fn one(like: T, offset: Vec3A, at: &Receiver) -> Self {
+        let axis = |a: Vec3A| a.to_array().map(|x| like.lit(f64::from(x)));
+        let mirror = axis(Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z));
+        Self { offset: axis(offset), axes: at.frame.axes().map(axis), mirror }
+    }
+}
+
 #[inline(always)]
 fn lanes<S: Simd>(simd: S, columns: &[[f32; LANES]; 8], offset: Vec3A, at: &Receiver, albedo: &Albedo) -> Moved {
     let source = columns.each_ref().map(|column| f32x16::load_array_ref(simd, column));
-    let [x, y, z, solid_angle, area, near] = moved(source, offset, at, albedo);
+    let to = Destination::one(source[0], offset, at);
+    let [x, y, z, solid_angle, area, near] = moved(source, &to, albedo.support());
     Moved {
         direction: [x.to_array(), y.to_array(), z.to_array()],
         solid_angle: solid_angle.to_array(),
@@ -70,13 +91,12 @@ fn lanes<S: Simd>(simd: S, columns: &[[f32; LANES]; 8], offset: Vec3A, at: &Rece
 /// The cap keeps its radiance, its solid angle follows eq. 16 with bounded foreshortening, and its irradiance is that of the
 /// cap above the horizon, exactly.
 #[inline(always)]
-fn moved<T: Real>(source: [T; 8], offset: Vec3A, at: &Receiver, albedo: &Albedo) -> [T; 6] {
+fn moved<T: Real>(source: [T; 8], to: &Destination<T>, (cos_s, sin_s): (f32, f32)) -> [T; 6] {
     let [dx, dy, dz, inverse, solid_angle, factor, u, v] = source;
     let (zero, one) = (dx.lit(0.0), dx.lit(1.0));
     let number = |x: f32| one.lit(f64::from(x));
-    let axis = |a: Vec3A| [number(a.x), number(a.y), number(a.z)];
     // The centroid seen from a point `offset` away, C = x + d·direction, in homogeneous form: d = ∞ is a direction only.
-    let [ox, oy, oz] = axis(offset);
+    let [ox, oy, oz] = to.offset;
     let toward = [dx - ox * inverse, dy - oy * inverse, dz - oz * inverse];
     let length2 = dot(toward, toward);
     let inverse_length = length2.max(number(MIN_LENGTH2)).sqrt().recip();
@@ -85,7 +105,7 @@ fn moved<T: Real>(source: [T; 8], offset: Vec3A, at: &Receiver, albedo: &Albedo)
     let sine = cap_sine(solid_angle);
     let ratio = softened(cos_alpha, sine) * factor * inverse_length.sq();
     let moved_angle = (solid_angle * ratio.clamp(one.lit(1.0 / MAX_RATIO), one.lit(MAX_RATIO))).min(one.lit(TAU));
-    let [x, y, z] = at.frame.axes().map(|a| dot(axis(a), toward) * inverse_length);
+    let [x, y, z] = to.axes.map(|a| dot(a, toward) * inverse_length);
     // Less than half of a cap is above the horizon: it fades out as it sinks, and its axis stays on the horizon.
     let below = (-z * sine.max(one.lit(1e-12)).recip()).max(zero);
     let height = moved_angle * one.lit(1.0 / TAU);
@@ -95,19 +115,85 @@ fn moved<T: Real>(source: [T; 8], offset: Vec3A, at: &Receiver, albedo: &Albedo)
     let direction = [T::select(sunk, x * along, x), T::select(sunk, y * along, y), z.max(zero)];
 
     // Beyond the support angle s plus the cap's own σ, the lobe sees nothing of it; cos(s + σ) without an angle.
-    let (cos_s, sin_s) = albedo.support();
     let (cos_s, sin_s) = (number(cos_s), number(sin_s));
     let cos_r = one - height;
     let sin_r = (height * (one.lit(2.0) - height)).max(zero).sqrt();
     let limit = T::select(cos_r.lt(-cos_s), -one, cos_s * cos_r - sin_s * sin_r);
-    let mirror = axis(Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z));
-    let near = T::select(limit.lt(dot(direction, mirror)), one, zero);
+    let near = T::select(limit.lt(dot(direction, to.mirror)), one, zero);
     let seen = |x: T| {
         let x = T::select(below.lt(one), x, zero);
         T::select(length2.lt(number(MIN_LENGTH2)), zero, x)
     };
     let [x, y, z] = direction;
     [x, y, z, moved_angle, seen(area), seen(near)]
+}
+
+/// Up to [`LANES`] points, in columns: position, axes of the frame, mirror direction of the eye. Lanes without a point repeat one.
+pub(super) struct Receivers {
+    columns: [[f32; LANES]; 15],
+    used: u64,
+}
+
+impl Receivers {
+    /// Of at least one point.
+    pub fn new<'a>(points: impl ExactSizeIterator<Item = &'a Receiver>) -> Self {
+        let (mut columns, count) = ([[0.0; LANES]; 15], points.len());
+        for (lane, at) in points.enumerate() {
+            let mirror = Vec3A::new(-at.wo.x, -at.wo.y, at.wo.z);
+            let [x, y, z] = at.frame.axes();
+            let row = [at.position, x, y, z, mirror].into_iter().flat_map(|v| v.to_array());
+            let end = if lane + 1 == count { LANES } else { lane + 1 };
+            columns.iter_mut().zip(row).for_each(|(column, number)| column[lane..end].fill(number));
+        }
+        Self { columns, used: (1 << count) - 1 }
+    }
+
+    /// Moves the sources of a record at `position` to all points: the irradiance of each point, and its projected solid angles
+    /// together. Calls `near` with what the lobes of some points see.
+    pub fn visit(
+        &self,
+        sources: &[Eas],
+        position: Vec3A,
+        albedo: &Albedo,
+        near: impl FnMut(&Eas, &Moved, u64),
+    ) -> ([[f32; LANES]; 3], [f32; LANES]) {
+        dispatch!(Level::new(), simd => self.lanes(simd, sources, position, albedo, near))
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(
+        &self,
+        simd: S,
+        sources: &[Eas],
+        position: Vec3A,
+        albedo: &Albedo,
+        mut near: impl FnMut(&Eas, &Moved, u64),
+    ) -> ([[f32; LANES]; 3], [f32; LANES]) {
+        let splat = |x: f32| f32x16::splat(simd, x);
+        let column = |i: usize| f32x16::load_array_ref(simd, &self.columns[i]);
+        let vector = |i: usize| [column(i), column(i + 1), column(i + 2)];
+        let [px, py, pz] = vector(0);
+        let offset = [px - splat(position.x), py - splat(position.y), pz - splat(position.z)];
+        let to = Destination { offset, axes: [vector(3), vector(6), vector(9)], mirror: vector(12) };
+        let (mut irradiance, mut whole) = ([splat(0.0); 3], splat(0.0));
+        for source in sources {
+            let [x, y, z] = source.direction;
+            let [u, v] = source.normal.map(f32::from);
+            let row = [x, y, z, source.inv_distance, source.solid_angle, source.factor, u, v];
+            let [x, y, z, solid_angle, area, is_near] = moved(row.map(splat), &to, albedo.support());
+            for (sum, light) in irradiance.iter_mut().zip(source.light) {
+                *sum = *sum + splat(light) * area;
+            }
+            whole = whole + area;
+            let lanes = is_near.simd_gt(splat(0.0)).to_bitmask() & self.used;
+            if lanes != 0 {
+                let direction = [x.to_array(), y.to_array(), z.to_array()];
+                let [solid_angle, area, is_near] = [solid_angle, area, is_near].map(|x| x.to_array());
+                near(source, &Moved { direction, solid_angle, area, near: is_near }, lanes);
+            }
+        }
+        (irradiance.map(|channel| channel.to_array()), whole.to_array())
+    }
 }
 
 #[inline(always)]
@@ -157,7 +243,7 @@ mod tests {
                 let [u, v] = s.normal.map(f64::from);
                 let numbers = [s.inv_distance, s.solid_angle, s.factor].map(f64::from);
                 let source = [x, y, z, numbers[0], numbers[1], numbers[2], u, v];
-                let exact = moved::<f64>(source, offset, &at, &albedo);
+                let exact = moved::<f64>(source, &Destination::one(0.0, offset, &at), albedo.support());
                 let found = [
                     lanes.direction[0][lane],
                     lanes.direction[1][lane],

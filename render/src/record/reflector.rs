@@ -101,8 +101,9 @@ pub struct Albedo {
     /// ρ(ωo) at equidistant cosines 0 … 1 and, where the material is anisotropic, azimuths 0 … π/2.
     values: Vec<f32>,
     azimuths: usize,
-    /// Cosine of the angle from the mirror direction beyond which a small cap does not matter.
+    /// Angle from the mirror direction beyond which a small cap does not matter; its cosine and sine.
     support: f32,
+    support_at: (f32, f32),
     edge: Edge,
 }
 
@@ -124,7 +125,8 @@ impl Albedo {
         let small = |theta: f64| Cap::new(theta, 0.0, 1e-4).map_or(0.0, |cap| table.support(&cap));
         let support = [0.0, 0.4, 0.8, 1.1].into_iter().map(small).fold(0.0, f64::max);
         let edge = table.specular().map_or_else(Edge::default, Edge::new);
-        Self { values, azimuths, support: support.min(core::f64::consts::PI) as f32, edge }
+        let support = support.min(core::f64::consts::PI) as f32;
+        Self { values, azimuths, support, support_at: (support.cos(), support.sin()), edge }
     }
 
     /// ρ(ωo) for a local direction.
@@ -146,7 +148,7 @@ impl Albedo {
     /// Cosine and sine of the angle from the mirror direction beyond which a small cap does not matter.
     #[inline]
     pub fn support(&self) -> (f32, f32) {
-        (self.support.cos(), self.support.sin())
+        self.support_at
     }
 
     /// Cosine of the angle from the mirror direction beyond which a cap of solid angle Ω (sr) does not matter.

@@ -81,6 +81,7 @@ pub fn cached(world: &World, allowed: Allowed, tolerance: f32, spp: u32) -> (Pic
         budget: Budget::Samples(spp),
         seed: 1,
         indirect_only: false,
+        interpolation: render::integrator::cached::Interpolation::Auto,
     };
     let (picture, figures, _) = render_cached(world, &policy, &settings, None, &|_| ());
     (picture, figures)
@@ -132,6 +133,7 @@ pub fn settings() -> Settings {
         budget: Budget::Samples(48),
         seed: 1,
         indirect_only: false,
+        interpolation: render::integrator::cached::Interpolation::Auto,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::common::{table, world};
 use render::cache::Spacing;
 use render::integrator::cached::file::{CacheFileError, load, save};
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Settings, render_cached};
+use render::integrator::cached::{Interpolation, Settings, render_cached};
 use render::picture::Budget;
 use render::record::eas::Estimator;
 use render::world::World;
@@ -25,6 +25,7 @@ fn settings() -> Settings {
         budget: Budget::Samples(2),
         seed: 3,
         indirect_only: false,
+        interpolation: Interpolation::Auto,
     }
 }
 

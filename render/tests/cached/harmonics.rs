@@ -8,7 +8,7 @@ use render::frame::Frame;
 use render::hemisphere::{GatherSample, Incident, gather_uniform, hemisphere_directions};
 use render::integrator::cached::file::{CacheFileError, load, save};
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Settings, render_cached};
+use render::integrator::cached::{Interpolation, Settings, render_cached};
 use render::picture::{Budget, Picture};
 use render::record::eas::Estimator;
 use render::record::harmonics::{
@@ -271,6 +271,7 @@ fn harmonic_records_survive_a_file() {
         budget: Budget::Samples(2),
         seed: 3,
         indirect_only: false,
+        interpolation: Interpolation::Auto,
     };
     let analytic = policy(Gradients::Analytic);
     let (picture, figures, caches) = render_cached(&world, &analytic, &settings, None, &|_| ());

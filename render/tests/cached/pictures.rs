@@ -3,7 +3,7 @@
 use crate::common::{cached, compare, table, traced, world};
 use render::cache::Spacing;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Settings, render_cached};
+use render::integrator::cached::{Interpolation, Settings, render_cached};
 use render::picture::Budget;
 use render::record::eas::Estimator;
 
@@ -64,6 +64,7 @@ fn the_papers_estimator_draws_the_box() {
         budget: Budget::Samples(16),
         seed: 1,
         indirect_only: false,
+        interpolation: Interpolation::Auto,
     };
     let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
     let (error, bias) = compare(&picture, &traced(&world, 256));

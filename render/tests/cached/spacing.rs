@@ -5,7 +5,7 @@ use render::cache::{Spacing, WEBER_FRACTION};
 use render::film::render;
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Settings, render_cached};
+use render::integrator::cached::{Interpolation, Settings, render_cached};
 use render::picture::Budget;
 use render::record::eas::Estimator;
 
@@ -30,6 +30,7 @@ fn every_spacing_draws_the_scenes() {
                 budget: Budget::Samples(8),
                 seed: 1,
                 indirect_only: false,
+                interpolation: Interpolation::Auto,
             };
             let (picture, figures, _) = render_cached(&world, &policy, &settings, None, &|_| ());
             let (error, bias) = compare(&picture, &reference);
@@ -60,6 +61,7 @@ fn curvature_bounds_the_bias_of_gradients() {
             budget: Budget::Samples(16),
             seed: 1,
             indirect_only: true,
+            interpolation: Interpolation::Auto,
         };
         let (picture, _, _) = render_cached(&world, &policy, &settings, None, &|_| ());
         compare(&picture, &reference).1

@@ -5,7 +5,7 @@ use glam::DVec3;
 use render::cache::Spacing;
 use render::integrator::cached::file::Key;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Caches, Rendering, Settings};
+use render::integrator::cached::{Caches, Interpolation, Rendering, Settings};
 use render::picture::Budget;
 use render::record::eas::Estimator;
 use render::scene::FovAxis;
@@ -25,6 +25,7 @@ fn settings() -> Settings {
         budget: Budget::Samples(1),
         seed: 3,
         indirect_only: false,
+        interpolation: Interpolation::Auto,
     }
 }
 

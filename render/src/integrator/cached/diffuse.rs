@@ -1,6 +1,6 @@
 //! What irradiance records say of a point.
 
-use crate::cache::{Cache, FOUND, Weight};
+use crate::cache::{FOUND, Lookup, Weight};
 use crate::record::Record;
 use crate::record::irradiance::IrradianceRecord;
 use crate::scene::Rgb;
@@ -19,13 +19,13 @@ pub struct Interpolated {
 /// reaches.
 #[inline]
 pub fn interpolated(
-    cache: &Cache<IrradianceRecord>,
+    records: &impl Lookup<IrradianceRecord>,
     position: Vec3A,
     hemisphere: Vec3A,
     normal: Vec3A,
 ) -> Option<Interpolated> {
     let (mut irradiance, mut radius, mut weights) = (Rgb::ZERO, 0.0, 0.0);
-    cache.interpolate(position, hemisphere, Weight::Smooth, |record, w| {
+    records.interpolate(position, hemisphere, Weight::Smooth, |record, w| {
         irradiance += record.at(position, normal) * w;
         radius += record.radius() * w;
         weights += w;

@@ -6,7 +6,7 @@ use super::policy::Finish;
 use super::settings::Quality;
 use super::site::Site;
 use crate::bsdf::{Parts, Split};
-use crate::cache::Cache;
+use crate::cache::{Cache, Drawn, Lookup};
 use crate::record::{Receiver, Record};
 use crate::scene::Rgb;
 use crate::scene::checksum::Hash;
@@ -34,7 +34,7 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     /// What a method that asks for it must tell besides.
     type Settings: Copy + Debug + PartialEq;
     /// What it keeps at a point.
-    type Record: Record + Clone + Debug;
+    type Record: Record + Clone + Debug + 'static;
     /// How it holds a material.
     type Held: Copy + Debug + PartialEq + Serialize;
     /// Memory for reading records, used again from point to point.
@@ -91,11 +91,22 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     fn reflect(
         &self,
         held: Self::Held,
-        cache: &Cache<Self::Record>,
+        records: &impl Lookup<Self::Record>,
         at: &Shaded,
         quality: &Quality,
         scratch: &mut Self::Scratch,
     ) -> Found;
+
+    /// What the records drawn onto a tile reflect at some of its surfaces, all held alike: what [`GlossyKind::reflect`] says of
+    /// each, in their order, to the last bit.
+    fn splat(
+        &self,
+        held: Self::Held,
+        records: &Drawn<Self::Record>,
+        surfaces: &[Shaded],
+        quality: &Quality,
+        scratch: &mut Self::Scratch,
+    ) -> Vec<Found>;
 
     /// Appends a record to a file.
     fn write(record: &Self::Record, bytes: &mut Vec<u8>);

@@ -5,10 +5,12 @@ mod build;
 mod caches;
 mod components;
 mod diffuse;
+mod drawn;
 pub mod file;
 mod grades;
 mod incident;
 mod indirect;
+mod interpolation;
 mod irradiance;
 mod kind;
 pub mod kinds;
@@ -24,8 +26,10 @@ mod settings;
 mod shade;
 mod site;
 mod sparse;
+mod splat;
 mod split;
 mod surface;
+mod tiles;
 mod views;
 
 use crate::cache::Spacing;
@@ -39,13 +43,14 @@ pub use build::Builder;
 pub use caches::Caches;
 use file::Loaded;
 pub use incident::IncidentTracer;
+pub use interpolation::Interpolation;
 pub use kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 pub use kinds::{Description, EachKind, Listed, WithKind};
 pub use points::{PixelCone, Point};
 use policy::Policy;
 pub use probe::{Probe, ProbeError};
 pub use rendering::Rendering;
-pub use report::Figures;
+pub use report::{Figures, Shading};
 pub use settings::{Knobs, Quality, TOLERANCE};
 pub use shade::Reading;
 pub use site::{Gather, Site};
@@ -69,6 +74,8 @@ pub struct Settings {
     pub seed: u64,
     /// Whether light that is scattered less than twice is left out.
     pub indirect_only: bool,
+    /// Who sums the records of a pixel.
+    pub interpolation: Interpolation,
 }
 
 impl Settings {
@@ -111,8 +118,8 @@ pub fn render_with(
     let Filled { tolerance, caches } = search.run(kept);
     let filled = Instant::now();
     let shading = |x: f64| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x);
-    let (picture, negative_pixels) =
+    let (picture, Shading { negative_pixels, indirect }) =
         rendering.shade(world, tolerance, &caches, (settings.budget, settings.seed), start, &shading);
     let times = Figures { fill: filled - start, shade: filled.elapsed(), ..Figures::of(&caches, tolerance) };
-    (picture, Figures { negative_pixels, ..times }, caches)
+    (picture, Figures { negative_pixels, indirect, ..times }, caches)
 }

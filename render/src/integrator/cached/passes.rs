@@ -2,17 +2,18 @@
 //! them are used up, then indirect light once per surface in a pixel.
 
 use super::Settings;
-use super::indirect::Indirect;
 use super::kinds::Scratches;
 use super::pace::{PASS, Pace, TRIAL_ROWS};
+use super::report::Shading;
 use super::shade::{Reading, Shader};
 use super::sparse;
+use super::splat::{SIDE, Splats};
 use super::surface::Surface;
-use crate::bsdf::Split;
+use super::tiles::{Memory, Reader};
 use crate::camera::RayGenerator;
-use crate::picture::{Budget, Picture, Pixel, first_half, summable};
+use crate::picture::{Budget, Picture, Pixel, first_half};
 use crate::sampler::Sampler;
-use crate::scene::{Crop, Rgb};
+use crate::scene::Crop;
 use crate::simd::widest;
 use crate::world::{Counts, Queries};
 use fearless_simd::Level;
@@ -32,6 +33,8 @@ pub(super) struct Passes<'a> {
     pixels: Vec<Pixel>,
     /// Of each pixel.
     surfaces: Vec<Vec<Surface>>,
+    /// The records on the film, where they are drawn onto it.
+    splats: Option<Splats>,
     spp: u32,
     counts: Counts,
 }
@@ -42,20 +45,26 @@ impl<'a> Passes<'a> {
         let camera = &shader.world.scene.camera;
         let window = camera.film.window();
         let count = window.width as usize * window.height as usize;
+        let generator = RayGenerator::new(camera);
+        let splats = settings
+            .interpolation
+            .splats(shader.reading)
+            .then(|| Splats::new(shader.caches, &generator, camera.lens.is_some()));
         Self {
             shader,
             settings,
-            camera: RayGenerator::new(camera),
+            camera: generator,
             window,
             pixels: vec![Pixel::default(); count],
             surfaces: vec![Vec::new(); count],
+            splats,
             spp: 0,
             counts: shader.caches.counts,
         }
     }
 
-    /// Renders within the budget, which began at `start`. Returns the number of pixels of negative indirect light too.
-    pub fn run(mut self, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, u64) {
+    /// Renders within the budget, which began at `start`.
+    pub fn run(mut self, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, Shading) {
         match self.settings.budget {
             Budget::Samples(n) => {
                 while self.spp < n {
@@ -80,7 +89,8 @@ impl<'a> Passes<'a> {
             // A cached picture does not know its error.
             Budget::Error(_) => (),
         }
-        let negative = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
+        let reading = Instant::now();
+        let negative_pixels = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
         let Self { window, pixels, spp, counts, .. } = self;
         let corner = [window.x, window.y];
         let (width, height) = (window.width, window.height);
@@ -97,7 +107,7 @@ impl<'a> Passes<'a> {
                 from_records: true,
                 denoised: None,
             },
-            negative,
+            Shading { negative_pixels, indirect: reading.elapsed() },
         )
     }
 
@@ -144,92 +154,50 @@ impl<'a> Passes<'a> {
     fn try_indirect(&self) {
         let width = self.window.width as usize;
         let rows: Vec<_> = (TRIAL_ROWS / 2..self.window.height as usize).step_by(TRIAL_ROWS).collect();
-        let unread = vec![None; width];
-        rows.par_iter().for_each_init(Scratches::default, |scratch, &y| {
+        let (reader, unread) = (self.reader(), vec![None; width]);
+        rows.par_iter().for_each_init(Memory::default, |memory, &y| {
             let row = y * width..(y + 1) * width;
             let mut pixels = self.pixels[row.clone()].to_vec();
-            indirect_row(
-                self.shader,
-                (self.settings.seed, self.spp),
-                self.place(y),
-                &mut pixels,
-                (&self.surfaces[row], &unread),
-                scratch,
-            );
+            reader.rows(self.place(y), width, &mut pixels, (&self.surfaces[row], &unread), memory);
         });
     }
 
     /// Adds indirect light. Returns the number of pixels where it is negative.
     fn indirect(&mut self, progress: &(dyn Fn(f64) + Sync)) -> u64 {
         let rows = AtomicU64::new(0);
-        let Self { shader, settings, window, spp, .. } = *self;
-        let width = window.width as usize;
-        let known = match shader.reading {
+        let width = self.window.width as usize;
+        let known = match self.shader.reading {
             Reading::Every => vec![None; self.surfaces.len()],
-            Reading::Few => sparse::between(shader, &self.surfaces, width),
+            Reading::Few => sparse::between(self.shader, &self.surfaces, width),
         };
-        let (traced, negative) = self
-            .pixels
-            .par_chunks_mut(width)
-            .zip(self.surfaces.par_chunks(width).zip(known.par_chunks(width)))
+        let mut pixels = core::mem::take(&mut self.pixels);
+        let reader = self.reader();
+        let (traced, negative) = pixels
+            .par_chunks_mut(SIDE * width)
+            .zip(self.surfaces.par_chunks(SIDE * width).zip(known.par_chunks(SIDE * width)))
             .enumerate()
-            .map_init(Scratches::default, |scratch, (y, (row, surfaces))| {
-                let place = (window.x, window.y + y as u32);
-                let found = indirect_row(shader, (settings.seed, spp), place, row, surfaces, scratch);
-                let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
-                progress(done as f64 / f64::from(window.height));
+            .map_init(Memory::default, |memory, (band, (pixels, surfaces))| {
+                let found = reader.rows(self.place(SIDE * band), width, pixels, surfaces, memory);
+                let here = (pixels.len() / width) as u64;
+                let done = rows.fetch_add(here, Ordering::Relaxed) + here;
+                progress(done as f64 / f64::from(self.window.height));
                 found
             })
             .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1));
+        self.pixels = pixels;
         self.counts += traced;
         negative
+    }
+
+    fn reader(&self) -> Reader<'_> {
+        let Self { shader, settings, splats, spp, .. } = self;
+        Reader { shader, splats: splats.as_ref(), seed: settings.seed, spp: *spp }
     }
 
     /// Film coordinates of the first pixel of a row.
     fn place(&self, y: usize) -> (u32, u32) {
         (self.window.x, self.window.y + y as u32)
     }
-}
-
-/// Indirect light of a row, but where it is known: what was traced, and pixels where it is negative.
-fn indirect_row(
-    shader: &Shader,
-    (seed, spp): (u64, u32),
-    start: (u32, u32),
-    row: &mut [Pixel],
-    (surfaces, known): (&[Vec<Surface>], &[Option<Split>]),
-    scratch: &mut Scratches,
-) -> (Counts, u64) {
-    let (mut queries, mut negative) = (Queries::default(), 0);
-    let share_of_first = first_half(spp) as f32 / spp.max(1) as f32;
-    each_pixel(
-        start,
-        row,
-        surfaces.iter().zip(known),
-        #[inline(always)]
-        |at, pixel, (surfaces, known)| {
-            let samplers = |path: u32| Sampler::new(seed.wrapping_add(1), at, path);
-            let indirect = match known {
-                Some(light) => Indirect::held(*light),
-                None => shader.indirect(surfaces, &samplers, scratch, &mut queries),
-            };
-            if summable(indirect.light.sum()) {
-                let mut sum = pixel.sum();
-                sum.indirect = sum.indirect + indirect.light;
-                pixel.add_to_half([Rgb::ZERO, indirect.half * share_of_first]);
-                // Records may ring; a pixel never shines less than not at all.
-                let (here, all) = (indirect.light, sum.indirect);
-                if here.diffuse.min(here.glossy).min(all.diffuse).min(all.glossy).min_element() < 0.0 {
-                    negative += 1;
-                    sum.indirect.glossy -= sum.sum().min(Rgb::ZERO);
-                }
-                pixel.set_sum(&sum);
-            } else {
-                queries.counts.not_finite += surfaces.iter().map(Surface::samples).sum::<u64>();
-            }
-        },
-    );
-    (queries.counts, negative)
 }
 
 /// Calls `f` with the film coordinates of every pixel of a row that begins at `start`, the pixel, and its surfaces, compiled

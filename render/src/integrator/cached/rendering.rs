@@ -6,6 +6,7 @@ use super::caches::Caches;
 use super::passes::Passes;
 use super::points::PixelCone;
 use super::policy::Policy;
+use super::report::Shading;
 use super::settings::{Knobs, Quality};
 use super::shade::{Paths, Reading, Shader};
 use super::split::LightSplit;
@@ -107,7 +108,7 @@ impl<'a> Rendering<'a> {
     }
 
     /// The picture that the camera of the world takes, from caches that were filled for τ, within the budget, which began at
-    /// `start`, with sample points of this seed; and the number of its pixels whose indirect light is negative in some channel.
+    /// `start`, with sample points of this seed; and what is told of it.
     pub fn shade(
         &self,
         world: &World,
@@ -116,7 +117,7 @@ impl<'a> Rendering<'a> {
         (budget, seed): (Budget, u64),
         start: Instant,
         progress: &(dyn Fn(f64) + Sync),
-    ) -> (Picture, u64) {
+    ) -> (Picture, Shading) {
         let shader = Shader {
             world,
             policy: self.policy,

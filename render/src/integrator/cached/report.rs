@@ -12,6 +12,8 @@ pub struct Figures {
     pub fill: Duration,
     /// Time from there to the picture.
     pub shade: Duration,
+    /// The part of it for the indirect light of surfaces, from records and paths.
+    pub indirect: Duration,
     /// Glossy records, by kind.
     pub glossy: PerKind<KindFigures>,
     /// Irradiance records, coarse ones included.
@@ -22,6 +24,15 @@ pub struct Figures {
     pub bytes: usize,
     /// τ in force.
     pub tolerance: f32,
+}
+
+/// What is told of the last pass over the pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shading {
+    /// Pixels whose indirect light is negative in some channel.
+    pub negative_pixels: u64,
+    /// Time for the indirect light of all surfaces.
+    pub indirect: Duration,
 }
 
 impl Figures {

@@ -13,6 +13,7 @@ use super::settings::Quality;
 use super::split::LightSplit;
 use super::surface::{Grouping, Surface, turned};
 use crate::bsdf::{Bsdf, Parts, Split};
+use crate::cache::Lookup;
 use crate::color::mean_radiance;
 use crate::integrator::direct::{Left, emission, environment, receiver};
 use crate::integrator::guides;
@@ -20,6 +21,7 @@ use crate::light::Lights;
 use crate::picture::{Radiance, first_half};
 use crate::ray::Ray;
 use crate::record::Receiver;
+use crate::record::irradiance::IrradianceRecord;
 use crate::sampler::Sampler;
 use crate::scene::{Environment, Rgb};
 use crate::world::{Interaction, Queries, World};
@@ -198,7 +200,8 @@ impl Shader<'_> {
             && self.has_indirect(&alone)
         {
             let one_path = |_: f32| (1, |_: u32| **sampler);
-            out.indirect = out.indirect + self.surface(&alone, &one_path, scratch, queries).light;
+            out.indirect = out.indirect
+                + self.surface(&alone, self.found(&alone, &alone.parts, scratch), &one_path, queries).light;
         }
     }
 
@@ -256,13 +259,14 @@ impl Shader<'_> {
         sample.weight * (light.radiance * point.throughput)
     }
 
-    /// Indirect light of the surfaces of a pixel, summed over their samples. `samplers` makes the sample points of a path.
+    /// Indirect light of the surfaces of a pixel, summed over their samples. `find` tells what records say of each whose light
+    /// counts, `samplers` makes the sample points of a path.
     #[inline(always)]
     pub fn indirect(
         &self,
         surfaces: &[Surface],
+        find: &mut impl FnMut(&Surface) -> Found,
         samplers: &impl Fn(u32) -> Sampler,
-        scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Indirect {
         let mut sum = Indirect::default();
@@ -273,39 +277,46 @@ impl Shader<'_> {
                 let least = self.paths.least.max(self.paths.doubted * doubt);
                 (s.samples.max(share * least) as u32, samplers)
             };
-            sum += self.surface(s, &paths, scratch, queries);
+            sum += self.surface(s, find(s), &paths, queries);
         }
         sum
     }
 
     /// Whether paths are long enough for the light of records.
-    fn has_indirect(&self, s: &Surface) -> bool {
+    pub(super) fn has_indirect(&self, s: &Surface) -> bool {
         let depth = self.world.scene.integrator.max_depth;
         s.point.segments + 1 < depth + u32::from(self.split.held.is_some())
     }
 
     /// What records say of a surface with these colours, summed over its samples.
     #[inline(always)]
-    fn found(&self, s: &Surface, parts: &Parts, scratch: &mut Scratches) -> Found {
-        let position = s.position / s.samples;
-        let normal = s.normal.try_normalize().unwrap_or(s.point.frame.normal());
-        let hemisphere = s.point.hemisphere_normal();
+    pub(super) fn found(&self, s: &Surface, parts: &Parts, scratch: &mut Scratches) -> Found {
         match self.policy.treatment(s.finish()) {
-            Treatment::Irradiance => {
-                let found = interpolated(&self.caches.irradiance, position, hemisphere, normal);
-                let light =
-                    found.map(|e| Split { diffuse: parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
-                let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
-                Found { light, traced: doubt, doubt }
-            }
+            Treatment::Irradiance => self.diffuse(s, parts, &self.caches.irradiance),
             Treatment::Glossy(glossy) => {
-                let frame = turned(&s.point, normal);
-                let at = Receiver { position, frame, wo: frame.to_local(s.wo.normalize()) };
-                let surface = Shaded { at, hemisphere, finish: s.point.finish, parts };
+                let surface = Self::shaded(s, parts);
                 glossy.with(&self.policy.kinds, Read { shader: self, surface: &surface, scratch })
             }
             Treatment::Traced => Found::NOTHING,
         }
+    }
+
+    /// What irradiance records say of a surface.
+    #[inline(always)]
+    pub(super) fn diffuse(&self, s: &Surface, parts: &Parts, records: &impl Lookup<IrradianceRecord>) -> Found {
+        let normal = s.mean_normal();
+        let found = interpolated(records, s.mean_position(), s.point.hemisphere_normal(), normal);
+        let light = found.map(|e| Split { diffuse: parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
+        let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
+        Found { light, traced: doubt, doubt }
+    }
+
+    /// A surface as glossy records are read for it.
+    #[inline(always)]
+    pub(super) fn shaded<'s>(s: &Surface, parts: &'s Parts) -> Shaded<'s> {
+        let frame = turned(&s.point, s.mean_normal());
+        let at = Receiver { position: s.mean_position(), frame, wo: frame.to_local(s.wo.normalize()) };
+        Shaded { at, hemisphere: s.point.hemisphere_normal(), finish: s.point.finish, parts }
     }
 
     /// What a surface reflects if its diffuse part is white, where records say all of it; of the specular part for all samples.
@@ -315,16 +326,15 @@ impl Shader<'_> {
         found.light.filter(|_| found.traced == 0.0)
     }
 
-    /// Indirect light of a surface. `paths` tells how many to trace by the doubt about records, and the sample points of each.
+    /// Indirect light of a surface of which records say this. `paths` tells how many to trace by the doubt about records, and the sample points of each.
     #[inline(always)]
     fn surface<S: Fn(u32) -> Sampler>(
         &self,
         s: &Surface,
+        Found { light: cached, traced, doubt }: Found,
         paths: &impl Fn(f32) -> (u32, S),
-        scratch: &mut Scratches,
         queries: &mut Queries,
     ) -> Indirect {
-        let Found { light: cached, traced, doubt } = self.found(s, &s.parts, scratch);
         let (path, half) = match cached {
             Some(_) if traced == 0.0 => (Split::ZERO, Rgb::ZERO),
             // Nothing reaches here: trace instead.

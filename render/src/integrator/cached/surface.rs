@@ -60,6 +60,23 @@ impl Surface {
         self.point.finish.with((self.treatments / self.samples).round() as u32)
     }
 
+    /// Where it is read.
+    #[inline]
+    pub(super) fn mean_position(&self) -> Vec3A {
+        self.position / self.samples
+    }
+
+    /// The normal with which it is read.
+    #[inline]
+    pub(super) fn mean_normal(&self) -> Vec3A {
+        self.normal.try_normalize().unwrap_or(self.point.frame.normal())
+    }
+
+    /// Whether the ray from the eye met it first.
+    pub(super) fn is_seen_directly(&self) -> bool {
+        self.point.segments == 1
+    }
+
     /// Samples of the pixel that show it.
     pub fn samples(&self) -> u64 {
         self.samples as u64

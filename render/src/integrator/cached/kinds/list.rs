@@ -80,8 +80,11 @@ macro_rules! kinds {
             fn scratch(scratches: &mut Scratches) -> &mut Self::Scratch {
                 &mut scratches.$name
             }
-            fn figures(figures: &PerKind<KindFigures>) -> &KindFigures {
-                &figures.$name
+            fn part<T>(parts: &PerKind<T>) -> &T {
+                &parts.$name
+            }
+            fn part_mut<T>(parts: &mut PerKind<T>) -> &mut T {
+                &mut parts.$name
             }
         })*
 

@@ -56,8 +56,10 @@ pub trait Listed: GlossyKind {
     fn cache_mut(caches: &mut GlossyCaches) -> &mut Cache<Self::Record>;
     /// The memory for reading them.
     fn scratch(scratches: &mut Scratches) -> &mut Self::Scratch;
-    /// Number and size of its records.
-    fn figures(figures: &PerKind<KindFigures>) -> &KindFigures;
+    /// Its part of what there is for each kind.
+    fn part<T>(parts: &PerKind<T>) -> &T;
+    /// Its part, to change.
+    fn part_mut<T>(parts: &mut PerKind<T>) -> &mut T;
 }
 
 /// Something to do with the kind that holds a material.

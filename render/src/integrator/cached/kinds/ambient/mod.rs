@@ -4,7 +4,7 @@
 mod tests;
 
 use crate::bsdf::{Parts, Split};
-use crate::cache::{Cache, FOUND};
+use crate::cache::{Drawn, FOUND, Lookup};
 use crate::hemisphere::nearest;
 use crate::integrator::cached::file::{CacheFileError, Reader, write_numbers, write_words};
 use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
@@ -100,9 +100,16 @@ impl GlossyKind for Ambient {
         record.radiance * (parts.diffuse + parts.specular)
     }
 
-    fn reflect(&self, (): (), cache: &Cache<AmbientRecord>, at: &Shaded, quality: &Quality, (): &mut ()) -> Found {
+    fn reflect(
+        &self,
+        (): (),
+        records: &impl Lookup<AmbientRecord>,
+        at: &Shaded,
+        quality: &Quality,
+        (): &mut (),
+    ) -> Found {
         let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
-        cache.interpolate(at.at.position, at.hemisphere, quality.weight, |record, w| {
+        records.interpolate(at.at.position, at.hemisphere, quality.weight, |record, w| {
             if at.finish.reads(record.zone().material) {
                 sum += record.radiance * w;
                 weights += w;
@@ -112,6 +119,17 @@ impl GlossyKind for Ambient {
         let light = (weights > FOUND)
             .then(|| Split { diffuse: at.parts.diffuse * radiance, glossy: at.parts.specular * radiance });
         Found { light, traced: 0.0, doubt: 0.0 }
+    }
+
+    fn splat(
+        &self,
+        (): (),
+        records: &Drawn<AmbientRecord>,
+        surfaces: &[Shaded],
+        quality: &Quality,
+        scratch: &mut (),
+    ) -> Vec<Found> {
+        surfaces.iter().map(|at| self.reflect((), records, at, quality, scratch)).collect()
     }
 
     fn write(record: &AmbientRecord, bytes: &mut Vec<u8>) {

@@ -6,7 +6,7 @@ use crate::integrator::PathTracer;
 use crate::integrator::cached::file::{load, save};
 use crate::integrator::cached::kinds::KINDS;
 use crate::integrator::cached::policy::{Allowed, Policy};
-use crate::integrator::cached::{Settings, render_cached};
+use crate::integrator::cached::{Interpolation, Settings, render_cached};
 use crate::picture::Budget;
 use crate::record::eas::Estimator;
 use crate::scene::load;
@@ -36,6 +36,7 @@ fn a_kind_of_the_list_renders_and_is_kept() {
         budget: Budget::Samples(8),
         seed: 1,
         indirect_only: true,
+        interpolation: Interpolation::Auto,
     };
     let (picture, figures, caches) = render_cached(&world, &policy, &settings, None, &|_| ());
     let records = figures.glossy.ambient.records;

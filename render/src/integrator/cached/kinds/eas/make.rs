@@ -1,6 +1,6 @@
 //! How an EAS record is made, and how far it reaches.
 
-use super::{Eas, GlossyKind, Held};
+use super::{Eas, GlossyKind, Held, Memory};
 use crate::bsdf::Parts;
 use crate::cache::RadiusPolicy;
 use crate::color::luminance;
@@ -8,13 +8,13 @@ use crate::hemisphere::{GatherSample, View, hemisphere_directions, nearest, view
 use crate::integrator::cached::points::Point;
 use crate::integrator::cached::site::Site;
 use crate::record::eas::{EasRecord, Estimator, ViewCone};
-use crate::record::{Centroid, Receiver, Record, Reflector, Scratch, Tree, cut};
+use crate::record::{Centroid, Receiver, Record, Reflector, Tree, cut};
 use crate::world::Counts;
 use glam::Vec3A;
 use std::cell::RefCell;
 
 thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static MEMORY: RefCell<Memory> = RefCell::default();
 }
 
 /// The cone about the mirror direction of the first view that holds those of all.
@@ -80,7 +80,7 @@ impl Eas {
         let reflected = |x: f32, y: f32| {
             let position = point.at.p + point.frame.to_world(Vec3A::new(x, y, 0.0));
             let at = Receiver { position, frame: point.frame, wo: point.frame.to_local(point.at.wo) };
-            luminance(SCRATCH.with_borrow_mut(|scratch| self.light(held, record, parts, &at, quality, scratch)))
+            luminance(MEMORY.with_borrow_mut(|memory| self.light(held, record, parts, &at, quality, memory)))
         };
         policy.by_bending(nearest, point.footprint, quality.curvature, reflected)
     }

@@ -6,7 +6,7 @@ mod shade;
 mod want;
 
 use crate::bsdf::Parts;
-use crate::cache::Cache;
+use crate::cache::{Drawn, Lookup};
 use crate::color::mean_radiance;
 use crate::integrator::cached::file::{CacheFileError, Reader};
 use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
@@ -19,6 +19,7 @@ use crate::scene::checksum::Hash;
 use crate::world::Counts;
 use brdf_tables::brdf::Specular;
 use brdf_tables::material::Material as Recipe;
+use brdf_tables::real::LANES;
 use brdf_tables::table::Table;
 use glam::Vec3A;
 pub use want::{Held, Lobe, Sharpness};
@@ -31,6 +32,10 @@ pub struct Eas {
     sharpest: Sharpness,
 }
 
+/// Memory for as many points as are read at once.
+#[derive(Debug, Default)]
+pub struct Memory([Scratch; LANES]);
+
 impl GlossyKind for Eas {
     const NAME: &'static str = "eas";
     const ABOUT: &'static str = "EAS on every glossy surface that a table can hold";
@@ -41,7 +46,7 @@ impl GlossyKind for Eas {
     type Settings = ();
     type Record = EasRecord;
     type Held = Held;
-    type Scratch = Scratch;
+    type Scratch = Memory;
 
     fn settings(_: f32) {}
 
@@ -99,11 +104,11 @@ impl GlossyKind for Eas {
         parts: &Parts,
         at: &Receiver,
         quality: &Quality,
-        scratch: &mut Scratch,
+        Memory(scratch): &mut Memory,
     ) -> Rgb {
         let lobe = &self.lobes[held.lobe];
         let reflector = Reflector::of(&lobe.table, parts);
-        let found = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, scratch);
+        let found = reflect(record, at, &reflector, &lobe.albedo, quality.estimator, &mut scratch[0]);
         parts.diffuse * mean_radiance(found.irradiance) + found.specular
     }
 
@@ -111,12 +116,23 @@ impl GlossyKind for Eas {
     fn reflect(
         &self,
         held: Held,
-        cache: &Cache<EasRecord>,
+        records: &impl Lookup<EasRecord>,
         at: &Shaded,
         quality: &Quality,
-        scratch: &mut Scratch,
+        Memory(scratch): &mut Memory,
     ) -> Found {
-        self.interpolated(held, cache, at, quality, scratch)
+        self.interpolated(held, records, at, quality, &mut scratch[0])
+    }
+
+    fn splat(
+        &self,
+        held: Held,
+        records: &Drawn<EasRecord>,
+        surfaces: &[Shaded],
+        quality: &Quality,
+        memory: &mut Memory,
+    ) -> Vec<Found> {
+        self.splatted(held, records, surfaces, quality, memory)
     }
 
     fn write(record: &EasRecord, bytes: &mut Vec<u8>) {

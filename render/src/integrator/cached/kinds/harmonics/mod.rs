@@ -6,7 +6,7 @@ mod shade;
 mod want;
 
 use crate::bsdf::Parts;
-use crate::cache::Cache;
+use crate::cache::{Drawn, Lookup};
 use crate::integrator::cached::file::{CacheFileError, Reader};
 use crate::integrator::cached::kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 use crate::integrator::cached::settings::Quality;
@@ -104,12 +104,23 @@ impl GlossyKind for Harmonics {
     fn reflect(
         &self,
         held: Held,
-        cache: &Cache<HarmonicsRecord>,
+        records: &impl Lookup<HarmonicsRecord>,
         at: &Shaded,
         quality: &Quality,
         scratch: &mut Functions,
     ) -> Found {
-        self.interpolated(held, cache, at, quality, scratch)
+        self.interpolated(held, records, at, quality, scratch)
+    }
+
+    fn splat(
+        &self,
+        held: Held,
+        records: &Drawn<HarmonicsRecord>,
+        surfaces: &[Shaded],
+        quality: &Quality,
+        scratch: &mut Functions,
+    ) -> Vec<Found> {
+        surfaces.iter().map(|at| self.interpolated(held, records, at, quality, scratch)).collect()
     }
 
     fn write(record: &HarmonicsRecord, bytes: &mut Vec<u8>) {

@@ -2,7 +2,7 @@
 
 use super::{Functions, Harmonics, Held};
 use crate::bsdf::{Parts, Split};
-use crate::cache::{Cache, FOUND};
+use crate::cache::{FOUND, Lookup};
 use crate::color::mean_radiance;
 use crate::integrator::cached::kind::{Found, Shaded};
 use crate::integrator::cached::settings::Quality;
@@ -32,7 +32,7 @@ impl Harmonics {
     pub(super) fn interpolated(
         &self,
         held: Held,
-        cache: &Cache<HarmonicsRecord>,
+        records: &impl Lookup<HarmonicsRecord>,
         surface: &Shaded,
         quality: &Quality,
         functions: &mut Functions,
@@ -44,7 +44,7 @@ impl Harmonics {
             return Found::NOTHING;
         }
         let (mut sum, mut weights) = (Reflected::default(), 0.0);
-        cache.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
+        records.interpolate(at.position, surface.hemisphere, quality.weight, |record, w| {
             if surface.finish.reads(record.zone().material) {
                 let part = functions.read(record, at.position);
                 sum.irradiance += part.irradiance * w;
