@@ -107,7 +107,9 @@ impl Material {
         // report more light than there was.
         if let Some(Specular::Measured(_)) = &self.specular {
             let values = Values(vec![("ks", Value::Color(self.ks)), ("kd", Value::Color(self.kd))]);
-            return COMMON_KEYS.iter().try_for_each(|key| values.get(key.name).map_or(Ok(()), |value| key.check(value)));
+            return COMMON_KEYS
+                .iter()
+                .try_for_each(|key| values.get(key.name).map_or(Ok(()), |value| key.check(value)));
         }
         let (model, values) = self.values();
         for key in keys(model)? {

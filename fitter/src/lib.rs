@@ -4,6 +4,7 @@ pub mod error;
 pub mod family;
 pub mod fit;
 pub mod integrate;
+pub mod measured;
 pub mod recipe;
 #[cfg(feature = "cli")]
 pub mod rows;

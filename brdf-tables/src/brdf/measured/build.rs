@@ -60,16 +60,22 @@ pub enum BuildError {
 }
 
 /// Makes a material of `value`: f_r in sr⁻¹, RGB, of two directions above the horizon, or `None` where it is not known, which
-/// takes a value from its neighbours. Values are averaged over both mirror images and over the exchange of the two directions.
+/// takes a value from its neighbours. Values are averaged over both mirror images and over the exchange of the two directions,
+/// unless the function is `folded`: the same for all of these.
 /// `name` is kept with it: its first 64 letters, digits and `._-`.
 ///
 /// # Errors
 /// The function has no values, or values that are no reflectance.
-pub fn build(name: &str, value: impl Fn(DVec3, DVec3) -> Option<[f64; 3]>) -> Result<Built, BuildError> {
+pub fn build(
+    name: &str,
+    is_folded: bool,
+    value: impl Fn(DVec3, DVec3) -> Option<[f64; 3]>,
+) -> Result<Built, BuildError> {
     let fine = Shape::new(FINEST).expect("the finest lattice is one");
     let folded = |angles: [f64; 3]| -> Result<Option<[f64; 3]>, BuildError> {
         let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for phi in [angles[2], PI - angles[2], -angles[2], angles[2] - PI] {
+        let images = [angles[2], PI - angles[2], -angles[2], angles[2] - PI];
+        for &phi in if is_folded { &images[..1] } else { &images[..] } {
             let (wi, wo) = coordinates::directions([angles[0], angles[1], phi]);
             if wi.z <= 0.0 || wo.z <= 0.0 {
                 continue;

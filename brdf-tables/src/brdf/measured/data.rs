@@ -49,10 +49,13 @@ impl Data {
     /// # Errors
     /// What is wrong with it.
     pub fn new(stored: Stored) -> Result<Self, &'static str> {
-        let shape = |nodes: [u16; 3]| Shape::new(nodes.map(usize::from)).ok_or("a lattice of measured values out of range");
+        let shape =
+            |nodes: [u16; 3]| Shape::new(nodes.map(usize::from)).ok_or("a lattice of measured values out of range");
         let lattice = shape(stored.nodes)?;
         if stored.name.len() > LONGEST_NAME || !stored.name.chars().all(|c| c.is_alphanumeric() || "._- ".contains(c)) {
-            return Err("the name of a measured material is too long, or has other signs than letters, digits, . _ and -");
+            return Err(
+                "the name of a measured material is too long, or has other signs than letters, digits, . _ and -",
+            );
         }
         if stored.values.len() != lattice.len() {
             return Err("the lattice of measured values is not filled");

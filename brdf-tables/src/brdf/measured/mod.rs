@@ -15,7 +15,7 @@ use data::Data;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-pub use build::{Built, BuildError, build};
+pub use build::{BuildError, Built, build};
 pub use coordinates::{angles, directions};
 
 /// f_r from values over the half and difference angles (Rusinkiewicz 1998, "A new change of variables for efficient BRDF

@@ -30,7 +30,8 @@ pub fn fit(value: impl Fn(DVec3, DVec3) -> f64) -> (f64, f64) {
     let mut best = (f64::INFINITY, (0.3, 0.5));
     for i in 0..ROUGHNESSES {
         let alpha = 0.01f64.powf(1.0 - i as f64 / (ROUGHNESSES - 1) as f64);
-        let facets = Microfacet { distribution: Distribution::Ggx, alpha_x: alpha, alpha_y: alpha, fresnel: Fresnel::None };
+        let facets =
+            Microfacet { distribution: Distribution::Ggx, alpha_x: alpha, alpha_y: alpha, fresnel: Fresnel::None };
         let mut variance = [0.0; SHARES.len()];
         for (nodes, &wo) in nodes.iter().zip(&views) {
             let total: f64 = nodes.iter().map(|n| n.value * n.weight).sum();
