@@ -1,6 +1,7 @@
 //! From a material to a table of its mean BRDF: integration, fitting, measuring.
 pub mod check;
 pub mod error;
+pub mod explain;
 pub mod family;
 pub mod fit;
 pub mod integrate;

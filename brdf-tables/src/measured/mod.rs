@@ -9,6 +9,7 @@ pub mod cie;
 mod cornell;
 mod csv;
 mod error;
+mod fits;
 mod lines;
 mod merl;
 pub mod rgl;
@@ -32,6 +33,10 @@ pub enum Format {
     Csv,
     /// `.bsdf`: the adaptive parametrisation of Dupuy and Jakob 2018.
     Rgl,
+    /// `.sgd`: parameters of the shifted gamma distribution (Bagher et al. 2012).
+    Sgd,
+    /// `.abc`: parameters of the ABC model (Löw et al. 2012).
+    Abc,
 }
 
 /// Largest file read, bytes.
@@ -39,7 +44,7 @@ pub const MAX_BYTES: u64 = 1 << 30;
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 4] = [Self::Merl, Self::Cornell, Self::Csv, Self::Rgl];
+    pub const ALL: [Self; 6] = [Self::Merl, Self::Cornell, Self::Csv, Self::Rgl, Self::Sgd, Self::Abc];
 
     /// What names of its files end in.
     pub fn extension(self) -> &'static str {
@@ -48,6 +53,8 @@ impl Format {
             Self::Cornell => "brdf",
             Self::Csv => "csv",
             Self::Rgl => "bsdf",
+            Self::Sgd => "sgd",
+            Self::Abc => "abc",
         }
     }
 
@@ -120,6 +127,8 @@ impl Reading {
             Format::Cornell => cornell::read(bytes),
             Format::Csv => csv::read(bytes),
             Format::Rgl => rgl::reading(bytes),
+            Format::Sgd => fits::sgd(bytes),
+            Format::Abc => fits::abc(bytes),
         }
     }
 

@@ -47,6 +47,8 @@ Measured data, by what the name ends in:
   .brdf     text of Cornell: scattered directions, spectra
   .csv      theta_i,theta_o,phi,r,g,b; angles in radian, or _deg; phi = pi is the
             mirror direction
+  .sgd .abc parameters fitted by others: kd, ks, alpha, p, f0, f1, kap, lambda, c, k,
+            theta0 (Bagher et al. 2012); kd, a, b, c, ior (Low et al. 2012)
 The table holds the data themselves, isotropic and reciprocal; kd is the part
 that all directions share.";
 

@@ -172,9 +172,12 @@ impl Rgl {
     }
 
     fn strength(&self, view: &View, u: [f32; 2], w: [f32; 2]) -> [f64; 3] {
-        let scale =
-            if self.jacobian { self.ndf.eval(u, &[]) / (4.0 * self.sigma.eval(view.u, &[])).max(1e-20) } else { 1.0 };
-        core::array::from_fn(|c| f64::from(self.colors[c].eval(w, &view.parameters) * scale).max(0.0))
+        let scale = if self.jacobian {
+            f64::from(self.ndf.eval(u, &[])) / (4.0 * f64::from(self.sigma.eval(view.u, &[]))).max(1e-20)
+        } else {
+            1.0
+        };
+        core::array::from_fn(|c| (f64::from(self.colors[c].eval(w, &view.parameters)) * scale).max(0.0))
     }
 
     /// f_r(wi, wo) cosθi in sr⁻¹, RGB; 0 where either direction is below the horizon.

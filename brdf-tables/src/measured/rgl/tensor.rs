@@ -101,7 +101,7 @@ impl<'a> Tensors<'a> {
         }
         let (numbers, _) = field.bytes.as_chunks::<4>();
         let numbers: Vec<f32> = numbers.iter().map(|b| f32::from_le_bytes(*b)).collect();
-        if let Some(at) = numbers.iter().position(|x| !x.is_finite() || x.abs() > 1e20) {
+        if let Some(at) = numbers.iter().position(|x| !x.is_finite() || x.abs() > 1e9) {
             return Err(fail(format!("number {at} is {}", numbers[at])));
         }
         Ok((field.shape.clone(), numbers))
