@@ -23,7 +23,8 @@ impl Random {
 
 fn files() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/inputs/valid/measured");
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).expect("inputs").map(|e| e.expect("entry").path()).collect();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).expect("inputs").map(|e| e.expect("entry").path()).collect();
     files.retain(|path| Format::of(path).is_some());
     files.sort();
     files

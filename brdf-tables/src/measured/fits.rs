@@ -66,7 +66,12 @@ fn numbers<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[[f64; 3]; N
         let rgb = match values[..] {
             [x] => [x; 3],
             [r, g, b] if *colored => [r, g, b],
-            _ => return Err(fail(line, format!("{key} has {}", if *colored { "one number or three" } else { "one number" }))),
+            _ => {
+                return Err(fail(
+                    line,
+                    format!("{key} has {}", if *colored { "one number or three" } else { "one number" }),
+                ));
+            }
         };
         if let Some(x) = rgb.iter().find(|x| !(*min..=*max).contains(*x)) {
             return Err(fail(line, format!("{key} is {x}, outside {min} to {max}")));
@@ -77,7 +82,8 @@ fn numbers<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[[f64; 3]; N
     }
     let mut numbers = [[0.0; 3]; N];
     for (k, rgb) in found.into_iter().enumerate() {
-        numbers[k] = rgb.ok_or_else(|| ReadError::new(Place::File, format!("{} is missing (keys: {})", keys[k].0, known())))?;
+        numbers[k] =
+            rgb.ok_or_else(|| ReadError::new(Place::File, format!("{} is missing (keys: {})", keys[k].0, known())))?;
     }
     Ok(numbers)
 }
@@ -118,7 +124,8 @@ impl Source for Shifted {
                 let beyond = (w.z.min(1.0).acos() - theta0[i]).max(0.0);
                 (1.0 + lambda[i] * (1.0 - (c[i] * beyond.powf(k[i])).min(700.0).exp())).clamp(0.0, 1.0)
             };
-            (FRAC_1_PI * (kd[i] + ks[i] * f * d * g1(wi) * g1(wo) / cosines(wi, wo))).max(0.0).min(LARGEST)
+            let value = FRAC_1_PI * (kd[i] + ks[i] * f * d * g1(wi) * g1(wo) / cosines(wi, wo));
+            if value > 0.0 { value.min(LARGEST) } else { 0.0 }
         }))
     }
 
@@ -158,7 +165,8 @@ mod tests {
     use super::*;
     use crate::frame::spherical;
 
-    const GAMMA: &str = "# test\nkd .1 .2 .3\nks = 0.5\nalpha 0.1\np 0.7\nf0 .05\nf1 .01\nkap 10\nlambda 1\nc .5\nk 4\ntheta0 .3\n";
+    const GAMMA: &str =
+        "# test\nkd .1 .2 .3\nks = 0.5\nalpha 0.1\np 0.7\nf0 .05\nf1 .01\nkap 10\nlambda 1\nc .5\nk 4\ntheta0 .3\n";
     const GROOVE: &str = "kd 0.1, 0.2, 0.3\na 5\nb 100\nc 1.5\nior 1.5\n";
 
     /// Closed forms at normal incidence, where θh = θd = 0, and reciprocity.

@@ -54,7 +54,7 @@ pub fn read(bytes: &[u8]) -> Result<Reading, ReadError> {
     for (i, number) in numbers.iter().enumerate() {
         let value = f64::from_le_bytes(*number);
         // Beyond 1e12 there is no reflectance that an instrument could see.
-        if !(value.abs() <= 1e12) {
+        if value.is_nan() || value.abs() > 1e12 {
             return Err(ReadError::new(Place::Byte(12 + 8 * i as u64), format!("{value} where a reflectance belongs")));
         }
         let (channel, bin) = (i / count, i % count);
@@ -128,7 +128,7 @@ pub mod tests {
     /// The bytes of a file of a function.
     pub fn write(bins: [usize; 3], value: impl Fn(DVec3, DVec3) -> [f64; 3]) -> Vec<u8> {
         let mut bytes: Vec<u8> = bins.iter().flat_map(|n| (*n as u32).to_le_bytes()).collect();
-        for channel in 0..3 {
+        for (channel, scale) in SCALE.into_iter().enumerate() {
             for h in 0..bins[0] {
                 for d in 0..bins[1] {
                     for p in 0..bins[2] {
@@ -136,7 +136,7 @@ pub mod tests {
                         let h = x(h, bins[0]).powi(2) * FRAC_PI_2;
                         let (wi, wo) = directions([h, x(d, bins[1]) * FRAC_PI_2, x(p, bins[2]) * PI]);
                         let lit = wi.z > 0.0 && wo.z > 0.0;
-                        let number = if lit { value(wi, wo)[channel] / SCALE[channel] } else { -1.0 };
+                        let number = if lit { value(wi, wo)[channel] / scale } else { -1.0 };
                         bytes.extend(number.to_le_bytes());
                     }
                 }

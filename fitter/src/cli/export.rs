@@ -86,7 +86,8 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
     const MOST: usize = 1 << 24;
     ensure!(count <= MOST, "{count} values, at most {MOST} are written; ask for fewer nodes");
     let grid = export::grid(&table, Nodes { theta, omega, delta, psi });
-    let grid = grid.with_context(|| format!("{}: a diffuse material, whose mean BRDF is kd/pi", args.file.display()))?;
+    let grid =
+        grid.with_context(|| format!("{}: a diffuse material, whose mean BRDF is kd/pi", args.file.display()))?;
     let shape: Vec<usize> = grid.axes.iter().map(|(_, x)| x.len()).collect();
     let bytes = match args.to {
         To::Npy => export::npy(&shape, &grid.values),

@@ -49,7 +49,8 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
     let candidates = explain(reading.source.as_ref(), &material);
     let title = args.file.file_name().map_or(name.clone(), |n| n.to_string_lossy().into_owned());
     let symmetry = symmetry(reading.source.as_ref());
-    let content = Page { title: &title, notes: &notes, data: reading.source.as_ref(), candidates: &candidates, symmetry };
+    let content =
+        Page { title: &title, notes: &notes, data: reading.source.as_ref(), candidates: &candidates, symmetry };
     output::write(&args.output, page(&content)?.as_bytes())?;
     let Some((data, models)) = candidates.split_first() else { bail!("{name}: no model") };
     let mut text = format!("{}: kept to {} %\n", args.output.display(), percent(data.relative));

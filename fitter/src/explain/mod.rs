@@ -4,7 +4,6 @@ mod fit;
 
 use crate::error::Directions;
 use crate::measured::{VIEWS, albedo};
-use brdf_tables::brdf::Specular;
 use brdf_tables::cap::Cap;
 use brdf_tables::cubature::{Cubature, Rule};
 use brdf_tables::errors::{Errors, Summary};
@@ -16,12 +15,11 @@ use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use fit::{MODELS, candidate};
+pub use fit::MODELS;
 
 /// Angles of the cap axes and radii, in lobe widths, at which the five errors are measured.
-const CAPS: [(f64, f64); 9] = [
-    (0.1, 0.3), (0.6, 0.3), (1.1, 0.3), (0.1, 1.0), (0.6, 1.0), (1.1, 1.0), (0.1, 2.5), (0.6, 2.5), (1.1, 2.5),
-];
+const CAPS: [(f64, f64); 9] =
+    [(0.1, 0.3), (0.6, 0.3), (1.1, 0.3), (0.1, 1.0), (0.6, 1.0), (1.1, 1.0), (0.1, 2.5), (0.6, 2.5), (1.1, 2.5)];
 
 /// A model beside the data.
 #[derive(Clone, Debug)]
@@ -50,21 +48,21 @@ pub struct Symmetry {
 }
 
 /// A pair of directions with f_r of the data.
-pub(crate) struct Point {
-    pub wi: DVec3,
-    pub wo: DVec3,
-    pub rgb: [f64; 3],
+struct Point {
+    wi: DVec3,
+    wo: DVec3,
+    rgb: [f64; 3],
     /// Index of the view in [`VIEWS`].
-    pub view: usize,
+    view: usize,
 }
 
 /// Grey value.
-pub(crate) fn grey(rgb: &[f64; 3]) -> f64 {
+fn grey(rgb: &[f64; 3]) -> f64 {
     (rgb[0] + rgb[1] + rgb[2]) / 3.0
 }
 
 /// The points that models are fitted to: about the mirror direction of each view, dense there, and over all of the hemisphere.
-pub(crate) fn points(data: &dyn Source) -> Vec<Point> {
+fn points(data: &dyn Source) -> Vec<Point> {
     const RINGS: usize = 28;
     const SPOKES: usize = 14;
     let mut points = Vec::new();
@@ -168,7 +166,8 @@ pub fn symmetry(data: &dyn Source) -> Symmetry {
     let mut mirrored = Vec::new();
     for i in 0..4000 {
         let x = |k: f64| (0.5 + f64::from(i) * k).fract();
-        let (wi, wo) = (spherical(1.4 * x(0.819_172_5), 0.0), spherical(1.4 * x(0.671_043_6), 2.0 * PI * x(0.549_700_5)));
+        let (wi, wo) =
+            (spherical(1.4 * x(0.819_172_5), 0.0), spherical(1.4 * x(0.671_043_6), 2.0 * PI * x(0.549_700_5)));
         let apart = |a: Option<[f64; 3]>, b: Option<[f64; 3]>| {
             let (a, b) = (a?, b?);
             let mean = 0.5 * (grey(&a) + grey(&b));
@@ -205,7 +204,7 @@ pub fn cut(value: impl Fn(DVec3, DVec3) -> Option<[f64; 3]>, degrees: f64) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdf_tables::brdf::{Distribution, Fresnel, Microfacet};
+    use brdf_tables::brdf::{Distribution, Fresnel, Microfacet, Specular};
 
     /// Data that are GGX are explained by GGX, with its parameters.
     struct Known(Material);

@@ -64,8 +64,11 @@ pub fn grid(table: &Table, nodes: Nodes) -> Option<Grid> {
         .collect();
     let turn = if isotropic { PI } else { TAU };
     let psi: Vec<f64> = (0..nodes.psi).map(|i| turn * i as f64 / (nodes.psi - 1) as f64).collect();
-    let caps: Vec<(f64, f64, f64)> =
-        theta.iter().flat_map(|&t| phi.iter().flat_map(move |&p| [(t, p)])).flat_map(|(t, p)| omega.iter().map(move |&o| (t, p, o))).collect();
+    let caps: Vec<(f64, f64, f64)> = theta
+        .iter()
+        .flat_map(|&t| phi.iter().flat_map(move |&p| [(t, p)]))
+        .flat_map(|(t, p)| omega.iter().map(move |&o| (t, p, o)))
+        .collect();
     let of = |&(theta, phi, omega): &(f64, f64, f64)| -> Vec<f32> {
         let Ok(cap) = Cap::new(theta, phi, omega) else { return vec![0.0; delta.len() * psi.len()] };
         let views = delta.iter().flat_map(|&d| psi.iter().map(move |&p| view(theta, phi, d, p)));

@@ -77,11 +77,15 @@ pub fn page(page: &Page) -> anyhow::Result<String> {
     }
     html.push_str("<h2>Models</h2>");
     html.push_str(&models(candidates));
-    html.push_str("<h2>Errors of the mean BRDF</h2><p>Grey, over nine caps of three radii and three angles, against the data as \
-        they are kept: median and 95th percentile, percent.</p>");
+    html.push_str(
+        "<h2>Errors of the mean BRDF</h2><p>Grey, over nine caps of three radii and three angles, against the data as \
+        they are kept: median and 95th percentile, percent.</p>",
+    );
     html.push_str(&five_errors(candidates));
-    html.push_str("<h2>Along the plane of incidence</h2><p>f_r in sr⁻¹, grey, for light at three angles; the mirror direction is \
-        at the angle of the light. ");
+    html.push_str(
+        "<h2>Along the plane of incidence</h2><p>f_r in sr⁻¹, grey, for light at three angles; the mirror direction is \
+        at the angle of the light. ",
+    );
     html.push_str(&key(candidates));
     html.push_str("</p>");
     for degrees in CUTS {
@@ -111,9 +115,9 @@ pub fn page(page: &Page) -> anyhow::Result<String> {
     );
     let axes = Axes { x: "angle of the view, degrees", y: "relative error, percent", logarithmic: false, mark: None };
     let error = |c: &Candidate, k: usize| 100.0 * c.by_view[k];
-    let _ = write!(
+    let _ = writeln!(
         html,
-        "<figure>{}<figcaption>Root mean square of relative errors of f_r.</figcaption></figure></html>\n",
+        "<figure>{}<figcaption>Root mean square of relative errors of f_r.</figcaption></figure></html>",
         chart(&axes, &lines(&error))
     );
     Ok(html)

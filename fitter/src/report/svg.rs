@@ -33,7 +33,8 @@ pub struct Axes {
 /// The chart.
 pub fn chart(axes: &Axes, lines: &[Line]) -> String {
     let shown = |y: f64| if axes.logarithmic { y.max(1e-300).log10() } else { y };
-    let points = || lines.iter().flat_map(|l| &l.points).filter(|p| p.1.is_finite() && (!axes.logarithmic || p.1 > 0.0));
+    let points =
+        || lines.iter().flat_map(|l| &l.points).filter(|p| p.1.is_finite() && (!axes.logarithmic || p.1 > 0.0));
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
     };
@@ -72,7 +73,8 @@ pub fn chart(axes: &Axes, lines: &[Line]) -> String {
         grid([left, WIDTH - right], [py(shown(mark)), py(shown(mark))], "mark");
     }
     for x in ticks(x0, x1, x_step) {
-        let _ = write!(svg, "<text x=\"{:.1}\" y=\"{:.1}\" class=\"x\">{}</text>", px(x), HEIGHT - bottom + 15.0, tidy(x));
+        let _ =
+            write!(svg, "<text x=\"{:.1}\" y=\"{:.1}\" class=\"x\">{}</text>", px(x), HEIGHT - bottom + 15.0, tidy(x));
     }
     for y in ticks(y0, y1, y_step) {
         let label = if axes.logarithmic { format!("1e{y}") } else { tidy(y) };

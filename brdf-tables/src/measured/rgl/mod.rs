@@ -207,7 +207,7 @@ impl Rgl {
         let half = crate::frame::spherical(theta, phi);
         let wi = 2.0 * wo.dot(half) * half - wo;
         let density = f64::from(chosen * visible) / jacobian(f64::from(m[0]), theta, wo.dot(half));
-        if wi.z <= 0.0 || !(density > 0.0) {
+        if wi.z <= 0.0 || density <= 0.0 {
             return None;
         }
         let value = self.strength(&view, m, w).map(|x| x / density);
