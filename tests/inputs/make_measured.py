@@ -110,7 +110,8 @@ def rgl(path, f, zeniths, size=(16, 16), azimuths=(0.0,), wavelengths=None):
             lit = wi[..., 2] > 0
             value = f(np.where(lit[..., None], wi, [0, 0, 1]), np.broadcast_to(wo, wi.shape)) * np.abs(wi[..., 2:])
             spectra[a, z] = np.moveaxis(np.where(lit[..., None], value, 0), -1, 0)
-    ones = np.ones((*views, 4, 4), "f4")
+    # Mitsuba asks for as many nodes of the luminance as of the spectra, as many in rows as in columns.
+    flat = lambda *size: np.ones((*views, *size), "f4")
     fields = {
         "description": np.frombuffer(b"made by make_measured.py", "u1"),
         "jacobian": np.array([1], "u1"),
@@ -118,8 +119,8 @@ def rgl(path, f, zeniths, size=(16, 16), azimuths=(0.0,), wavelengths=None):
         "theta_i": np.array(zeniths, "f4"),
         "ndf": np.ones((4, 4), "f4"),
         "sigma": np.full((4, 4), 0.25, "f4"),
-        "vndf": ones,
-        "luminance": ones,
+        "vndf": flat(4, 4),
+        "luminance": flat(rows, columns),
     }
     if wavelengths is None:
         fields["rgb"] = spectra
@@ -188,7 +189,7 @@ def main():
     zeniths, azimuths = np.arange(0, 90, 12), np.arange(0, 181, 20)
     csv(valid / "satin.csv", satin, zeniths, azimuths)
     cornell(valid / "grey.brdf", grey, np.arange(8, 90, 16), np.arange(0, 181, 30))
-    rgl(valid / "satin.bsdf", satin, np.radians(np.arange(0, 90, 12.8)), (14, 16))
+    rgl(valid / "satin.bsdf", satin, np.radians(np.arange(0, 90, 12.8)), (16, 16))
     rgl(valid / "spectral.bsdf", grey, np.radians(np.arange(0, 90, 17.8)), (12, 12), wavelengths=(400, 550, 700))
     for degrees in (0, 60):
         print(degrees, "satin", albedo(satin, np.radians(degrees)), "grey", albedo(grey, np.radians(degrees)))

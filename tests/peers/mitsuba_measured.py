@@ -43,13 +43,13 @@ def write(path, rng, azimuths, bands):
         "ndf": smooth(rng, (9, 12), 0.2),
         "sigma": smooth(rng, (7, 8), 0.3),
         "vndf": smooth(rng, (*views, 8, 10), 0.1),
-        "luminance": smooth(rng, (*views, 6, 5), 0.2),
+        "luminance": smooth(rng, (*views, 7, 7), 0.2),
     }
     if bands is None:
-        fields["rgb"] = smooth(rng, (*views, 3, 7, 6), 0.05)
+        fields["rgb"] = smooth(rng, (*views, 3, 7, 7), 0.05)
     else:
         fields["wavelengths"] = np.array(bands, "f4")
-        fields["spectra"] = smooth(rng, (*views, len(bands), 7, 6), 0.05)
+        fields["spectra"] = smooth(rng, (*views, len(bands), 7, 7), 0.05)
     tensors(path, fields)
 
 

@@ -70,7 +70,8 @@ impl Rgl {
         let (phi, theta) = (parameter("phi_i")?, parameter("theta_i")?);
         let isotropic = phi.len() <= 2;
         let span = f64::from(phi[phi.len() - 1] - phi[0]);
-        let repeats = if isotropic { 1 } else { (TAU / span).round().clamp(1.0, 4.0) as u32 };
+        // An isotropic material is the same turned by half: as the plugin does it, which is seen where σ depends on the azimuth.
+        let repeats = if isotropic { 2 } else { (TAU / span).round().clamp(1.0, 4.0) as u32 };
         // Grids over the unit square.
         let grid = |name: &str, between: &[usize]| {
             let (shape, values) = tensors.floats(name, between.len() + 2)?;
