@@ -62,6 +62,9 @@ pub fn read(bytes: &[u8]) -> Result<Reading, ReadError> {
             logs[bin][channel] = ((value * SCALE[channel]) as f32).max(SMALLEST).ln();
         }
     }
+    if logs.iter().flatten().all(|x| x.is_nan() || *x <= SMALLEST.ln()) {
+        return Err(ReadError::new(Place::File, "no value is above zero"));
+    }
     let unmeasured = logs.iter().filter(|rgb| rgb.iter().any(|x| x.is_nan())).count();
     let [h, d, p] = bins;
     let notes = vec![

@@ -20,7 +20,7 @@ const PICTURES: usize = 4;
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#282c34;max-width:1000px;margin:24px auto;padding:0 16px}\
 h1{font-size:24px}h2{font-size:18px;margin:28px 0 8px}table{border-collapse:collapse;font-size:14px}\
 th,td{padding:4px 10px;text-align:right;border-bottom:1px solid #d6dae0}th:first-child,td:first-child{text-align:left}\
-td.recipe{text-align:left;font:12px ui-monospace,monospace}figure{display:inline-block;margin:0 12px 12px 0;vertical-align:top}\
+td{white-space:nowrap}th:last-child{text-align:left}td.recipe{white-space:normal;text-align:left;font:12px ui-monospace,monospace}figure{display:inline-block;margin:0 12px 12px 0;vertical-align:top}\
 figcaption{font-size:13px;max-width:460px}.grid{stroke:#e4e7eb}.mark{stroke:#a01028;stroke-dasharray:4 3}\
 .line{fill:none;stroke-width:1.6}svg text{font-size:11px;fill:#282c34}.x{text-anchor:middle}.y{text-anchor:end}\
 .key{display:inline-block;width:22px;height:3px;vertical-align:middle;margin-right:5px}.bad{color:#a01028;font-weight:600}\

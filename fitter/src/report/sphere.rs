@@ -13,12 +13,12 @@ use sobol_burley::sample;
 
 /// Side of the picture in pixels, and samples a pixel.
 const SIDE: usize = 200;
-const SAMPLES: u32 = 192;
+const SAMPLES: u32 = 256;
 
 /// Directions of the lamps, the cosine power of each, and its radiance.
 const LAMPS: [(DVec3, f64, f64); 3] = [
-    (DVec3::new(-0.6, 0.6, 0.55), 120.0, 9.0),
-    (DVec3::new(0.75, 0.35, 0.4), 400.0, 12.0),
+    (DVec3::new(-0.6, 0.6, 0.55), 60.0, 6.0),
+    (DVec3::new(0.75, 0.35, 0.4), 150.0, 8.0),
     (DVec3::new(0.1, -0.5, 0.9), 30.0, 0.8),
 ];
 

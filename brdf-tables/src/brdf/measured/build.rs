@@ -123,7 +123,8 @@ pub fn build(
     let rest = fill(&fine, &values, floor);
 
     // Grey values on the coarsest lattice that is good enough.
-    let logs: Vec<f64> = rest.iter().map(|rgb| mean(rgb).max(floor).log2()).collect();
+    // What continues beyond the horizon does not pass what is above it.
+    let logs: Vec<f64> = rest.iter().map(|rgb| mean(rgb).clamp(floor, largest).log2()).collect();
     let error = |a: &f64, b: &f64| (a - b).abs() * core::f64::consts::LN_2;
     let mix = |corners: &[(usize, f64); 8], of: &[f64]| corners.iter().map(|&(i, w)| w * of[i]).sum::<f64>();
     let (shape, picked) = coarsest(&fine, &STEPS, &logs, &lit, mix, error);
