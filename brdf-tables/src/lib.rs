@@ -38,7 +38,8 @@
 //!
 //! - [`family`]: tables of whatever roughness without a fit.
 //!
-//! Features, on by default: `fs` ([`Table::load`] and [`Table::save`]), `families` (the families that are shipped, 0.2 MB).
+//! Features, on by default: `fs` ([`Table::load`] and [`Table::save`]), `families` (the families that are shipped, 0.2 MB). Off by
+//! default: `measured` (readers of files of measured materials).
 
 pub mod axis;
 pub mod batch;
@@ -57,6 +58,8 @@ pub mod lobe;
 pub mod lobes;
 pub mod material;
 pub mod mean;
+#[cfg(feature = "measured")]
+pub mod measured;
 pub mod paper;
 pub mod parts;
 pub mod quadrature;

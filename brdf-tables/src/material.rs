@@ -96,13 +96,21 @@ impl Material {
         (model, values)
     }
 
-    /// Checks every parameter against the range of its key, and the energy at normal incidence.
+    /// Checks every parameter against the range of its key, and the energy at normal incidence but of measured materials.
     ///
     /// The albedo away from the normal is left alone: Ward 1992 and published Lafortune fits pass 1 at grazing.
     ///
     /// # Errors
     /// The first thing found wrong.
     pub fn validate(&self) -> Result<(), MaterialError> {
+        // What was measured is what it is: it has no recipe, its values were checked when they were read, and instruments do
+        // report more light than there was.
+        if let Some(Specular::Measured(_)) = &self.specular {
+            let values = Values(vec![("ks", Value::Color(self.ks)), ("kd", Value::Color(self.kd))]);
+            return COMMON_KEYS
+                .iter()
+                .try_for_each(|key| values.get(key.name).map_or(Ok(()), |value| key.check(value)));
+        }
         let (model, values) = self.values();
         for key in keys(model)? {
             values.get(key.name).map_or(Ok(()), |value| key.check(value))?;

@@ -2,7 +2,9 @@
 
 mod chart;
 mod cli;
+mod export;
 mod plot;
+mod report;
 
 fn main() -> std::process::ExitCode {
     cli::main()

@@ -1,9 +1,11 @@
-//! A material from what a person types: an inline recipe, `phong:exponent=100,ks=1,kd=0`, or a TOML file.
+//! A material from what a person types: an inline recipe, `phong:exponent=100,ks=1,kd=0`, a TOML file, or measured data.
 //!
 //! Both forms have the same keys, and the inline form is rewritten to TOML, one item per line, before it is parsed.
 
+use crate::measured;
 use brdf_tables::brdf::{Key, Kind, Value, Values};
 use brdf_tables::material::{Material, MaterialError, keys};
+use brdf_tables::measured::ReadError;
 use core::fmt;
 use std::io::{self, Read};
 use std::path::Path;
@@ -58,6 +60,9 @@ pub enum RecipeError {
         /// What the model takes.
         accepted: String,
     },
+    /// A file of measured data that cannot be read.
+    #[error(transparent)]
+    Measured(#[from] ReadError),
     /// A value that the model does not accept, or the lack of one.
     #[error("{place}: {error} ({accepted})")]
     Material {
@@ -81,12 +86,15 @@ impl fmt::Display for Place {
     }
 }
 
-/// The material that a command-line argument names: a file if there is one of this name or the name ends in `.toml`,
-/// an inline recipe otherwise.
+/// The material that a command-line argument names: measured data if it ends as they do, a TOML file if there is one of this
+/// name or the name ends in `.toml`, an inline recipe otherwise.
 ///
 /// # Errors
 /// The file or the recipe is bad; the message is one line that names the place and the accepted keys.
 pub fn material(argument: &str) -> Result<Material, RecipeError> {
+    if measured::is_data(argument) {
+        return Ok(measured::load(Path::new(argument))?.1);
+    }
     if argument.ends_with(".toml") || Path::new(argument).is_file() { from_file(argument) } else { inline(argument) }
 }
 

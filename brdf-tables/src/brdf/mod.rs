@@ -1,11 +1,12 @@
 //! Reflection models: one per file, all behind [`Brdf`], all in [`ALL`].
 //!
 //! A new model is a file with its formula ([`Formula`]), sampling ([`Brdf`]) and what it knows of itself (`Profile`), and a
-//! line in the list of `specular.rs`.
+//! line in the list of `specular.rs`. What was measured has no formula and no recipe: [`Measured`] is made by [`build`].
 
 mod footprint;
 mod fresnel;
 mod lafortune;
+mod measured;
 mod microfacet;
 mod model;
 mod phong;
@@ -21,6 +22,7 @@ pub(crate) use footprint::Outgoing;
 pub use fresnel::Fresnel;
 pub(crate) use fresnel::GrayPolynomial;
 pub use lafortune::{Lafortune, MAX_LOBES};
+pub use measured::{BuildError, Built, Measured, angles, build, directions};
 pub use microfacet::{Distribution, Microfacet};
 pub use model::{Exception, Key, Kind, Model, Presence, Value, Values};
 pub use phong::Phong;

@@ -35,7 +35,7 @@ impl Family {
     /// The bytes of the file.
     ///
     /// # Errors
-    /// If the header is longer than 64 KiB.
+    /// If the header is longer than 1 MiB.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         let (axes, measured, store) = self.parts();
         let mut payload: Vec<u8> = measured.iter().flat_map(|m| m.0).collect();

@@ -71,7 +71,7 @@ impl Kin {
                 (if ggx { Self::Ggx } else { Self::Beckmann }, [alpha_x, alpha_y])
             }
             Specular::Sheen(Sheen { alpha }) => (Self::Sheen, [alpha; 2]),
-            Specular::Lafortune(_) => return None,
+            Specular::Lafortune(_) | Specular::Measured(_) => return None,
         })
     }
 }

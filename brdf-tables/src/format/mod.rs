@@ -1,6 +1,6 @@
 //! Bytes ↔ [`Table`]. The layout is public and documented in `tables/README.md`; all numbers are little-endian.
 //!
-//!   magic "BURNISH\n" · version u32 · header length u32 · header (bincode 2, serde, fixed integers, at most 64 KiB) ·
+//!   magic "BURNISH\n" · version u32 · header length u32 · header (bincode 2, serde, fixed integers, at most 1 MiB) ·
 //!   payload: one f32 sextuple per error cell, then the arrays of the representation · CRC-32 of all before it u32
 
 pub(crate) mod seal;
@@ -19,8 +19,8 @@ use serde::{Deserialize, Serialize};
 pub const MAGIC: [u8; 8] = *b"BURNISH\n";
 /// Version written. The one before it is read too: its cubature tables know product rules only, and are slower.
 pub const VERSION: u32 = 2;
-/// Longest header accepted, bytes.
-const MAX_HEADER: usize = 1 << 16;
+/// Longest header accepted, bytes: that of a measured material, whose values stand in it; others take less than 4 KiB.
+const MAX_HEADER: usize = 1 << 20;
 /// Largest file accepted, bytes: eight times the largest table the fitter makes.
 #[cfg(feature = "fs")]
 pub(crate) const MAX_FILE: u64 = 1 << 24;
@@ -103,7 +103,7 @@ impl Table {
     /// The bytes of the file.
     ///
     /// # Errors
-    /// If the header is longer than 64 KiB.
+    /// If the header is longer than 1 MiB.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         let (shape, payload): (Shape, Vec<u8>) = match &self.representation {
             Representation::Diffuse => (Shape::Diffuse, Vec::new()),

@@ -11,7 +11,7 @@ fn config() -> impl bincode::config::Config {
 /// The bytes of a file.
 ///
 /// # Errors
-/// If the header is longer than 64 KiB.
+/// If the header is longer than 1 MiB.
 pub(crate) fn seal(
     magic: [u8; 8],
     version: u32,

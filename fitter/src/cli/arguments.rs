@@ -38,6 +38,15 @@ pub fn material(argument: &str) -> anyhow::Result<Material> {
     })
 }
 
+/// The material of a command-line argument, and what is told of measured data.
+pub fn material_with_notes(argument: &str) -> anyhow::Result<(Material, Vec<String>)> {
+    if fitter::measured::is_data(argument) {
+        let (_, material, notes) = fitter::measured::load(Path::new(argument))?;
+        return Ok((material, notes));
+    }
+    Ok((material(argument)?, Vec::new()))
+}
+
 /// Loads a table, naming the file in an error.
 pub fn table(path: &Path) -> anyhow::Result<Table> {
     match file(path)? {

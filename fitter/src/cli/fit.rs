@@ -22,6 +22,8 @@ Examples:
       the cheapest representation, to phong-exponent-100.tbl
   fitter fit tables/ward-0.1-0.5.toml
       a recipe in a file, to tables/ward-0.1-0.5.tbl
+  fitter fit gold-metallic-paint.binary
+      measured data: what was read and how it is kept, to gold-metallic-paint.tbl
   fitter fit ggx:alpha=0.1,f0=0.04,kd=0.3 --tolerance 0.001 -o plastic.tbl
       ten times the accuracy of an image
   fitter fit phong:exponent=40 --preset paper
@@ -37,7 +39,18 @@ Models and their keys, beside kd and ks:
   beckmann     alpha (or alpha_x, alpha_y), f0 (or eta, k)
   ggx          as beckmann
   sheen        alpha (0.07 to 1), the fibres of velvet
-A colour is one number or [r,g,b].";
+A colour is one number or [r,g,b].
+
+Measured data, by what the name ends in:
+  .binary   MERL: 90 x 90 x 180 bins (or fewer) of half and difference angles
+  .bsdf     RGL: adaptive parametrisation of Dupuy and Jakob 2018, RGB or spectral
+  .brdf     text of Cornell: scattered directions, spectra
+  .csv      theta_i,theta_o,phi,r,g,b; angles in radian, or _deg; phi = pi is the
+            mirror direction
+  .sgd .abc parameters fitted by others: kd, ks, alpha, p, f0, f1, kap, lambda, c, k,
+            theta0 (Bagher et al. 2012); kd, a, b, c, ior (Low et al. 2012)
+The table holds the data themselves, isotropic and reciprocal; kd is the part
+that all directions share.";
 
 /// Fit a table of the mean BRDF of a material, and measure its errors
 ///
@@ -47,7 +60,7 @@ A colour is one number or [r,g,b].";
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Inline recipe such as phong:exponent=100,ks=1,kd=0, or a TOML file
+    /// Inline recipe such as phong:exponent=100,ks=1,kd=0, a TOML file, or measured data
     material: String,
     /// Table to write [default: named after the material; beside the recipe when that is a file]
     #[arg(short, long, value_name = "FILE")]
@@ -115,6 +128,8 @@ pub fn solvers() -> impl TypedValueParser<Value = SolverKind> {
 /// What is to be fitted, and how, after every flag has been found to have a meaning.
 struct Job {
     material: Material,
+    /// What is told of measured data.
+    notes: Vec<String>,
     output: PathBuf,
     representation: Choice,
     solver: SolverKind,
@@ -124,7 +139,9 @@ struct Job {
 
 impl Args {
     fn validate(&self) -> anyhow::Result<Job> {
-        let material = arguments::material(&self.material)?;
+        let output = self.output.clone().unwrap_or_else(|| default_output(&self.material));
+        Outputs::beside([Path::new(&self.material)]).file(&output)?;
+        let (material, notes) = arguments::material_with_notes(&self.material)?;
         let flag = match (self.solver, self.lobes) {
             (Some(_), _) => Some("--solver"),
             (None, Some(_)) => Some("--lobes"),
@@ -155,10 +172,8 @@ impl Args {
         } else {
             SolverKind::LevenbergMarquardt
         };
-        let output = self.output.clone().unwrap_or_else(|| default_output(&self.material));
-        Outputs::beside([Path::new(&self.material)]).file(&output)?;
         let solver = self.solver.unwrap_or(default);
-        Ok(Job { material, output, representation, solver, lobes, command: self.command() })
+        Ok(Job { material, notes, output, representation, solver, lobes, command: self.command() })
     }
 
     /// The command line with every argument that shapes the bytes of the table: the output and the threads do not.
@@ -213,7 +228,8 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
         command: job.command.clone(),
         progress: &|fraction| progress.set(fraction),
     };
-    let table = fit(&job.material, &options).with_context(|| args.material.clone())?;
+    let mut table = fit(&job.material, &options).with_context(|| args.material.clone())?;
+    table.header.notes.splice(0..0, job.notes.iter().cloned());
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     let bytes = table.to_bytes().with_context(|| job.output.display().to_string())?;

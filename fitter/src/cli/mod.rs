@@ -1,12 +1,15 @@
 //! The command line: one file per subcommand, each with its arguments as typed and what they mean once validated.
 
+mod albedo;
 mod arguments;
 mod chart;
 mod check;
+mod export;
 mod family;
 mod fit;
 mod info;
 mod integrate;
+mod page;
 mod plot;
 mod query;
 mod report;
@@ -28,6 +31,9 @@ Examples:
   fitter fit-family ggx -o families              the tables of GGX of any roughness
   fitter plot phong.tbl -o phong.svg             polar cuts, exact against table
   fitter chart phong:exponent=100 -o chart.svg   speed against accuracy
+  fitter report gold.binary -o gold.html         which model explains measured data
+  fitter export phong.tbl --to npy -o phong.npy  values on a grid, for shaders and scripts
+  fitter albedo ggx -o split-sum.exr             directional albedo over roughness
 
   (echo theta_e,phi_e,omega,wo_x,wo_y,wo_z; echo 0.8,0,0.1,-0.6,0,0.8) |
       fitter query phong.tbl
@@ -57,6 +63,9 @@ enum Command {
     Info(info::Args),
     Plot(plot::Args),
     Chart(chart::Args),
+    Report(page::Args),
+    Export(export::Args),
+    Albedo(albedo::Args),
 }
 
 /// How a command that did its work ended.
@@ -94,6 +103,9 @@ fn run(command: Command) -> anyhow::Result<Outcome> {
         Command::Info(args) => info::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Chart(args) => chart::run(args),
+        Command::Report(args) => page::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Albedo(args) => albedo::run(args),
     }
 }
 

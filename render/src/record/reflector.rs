@@ -86,9 +86,12 @@ impl<'a> Reflector<'a> {
     }
 }
 
-/// Colour of the Fresnel term of a model for light from `wi`, both directions local.
+/// Colour of the Fresnel term of a model, or of what was measured, for light from `wi`, both directions local.
 #[inline]
 pub fn fresnel_tint(specular: &Specular, wi: Vec3A, wo: Vec3A) -> Rgb {
+    if let Specular::Measured(measured) = specular {
+        return Rgb::from_array(measured.tint(wi.as_dvec3(), wo.as_dvec3()).map(|x| x as f32));
+    }
     specular.fresnel().map_or(Rgb::ONE, |fresnel| {
         let tint = fresnel.tint(f64::from((0.5 * (wi + wo).length()).min(1.0)));
         Rgb::from_array(tint.map(|x| x as f32))

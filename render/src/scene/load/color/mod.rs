@@ -1,11 +1,10 @@
 //! Spectra as linear sRGB.
 
 mod metals;
-mod tables;
 
 use crate::scene::Rgb;
+use brdf_tables::measured::cie::CIE;
 use glam::{DMat3, DVec3};
-use tables::CIE;
 
 pub use metals::conductor;
 

@@ -61,6 +61,7 @@ impl Builder<'_> {
                 Ok(Material::Phong { diffuse, specular, exponent })
             }
             "ward" => self.ward(object),
+            "measured" => self.measured(object),
             plugin if recipe::is_model(plugin) => self.lobe(object),
             "conductor" => {
                 let ((eta, k), specular) =

@@ -5,6 +5,7 @@ mod composite;
 mod emitter;
 mod ior;
 mod material;
+mod measured;
 mod object;
 mod objects;
 mod recipe;
