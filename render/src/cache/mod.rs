@@ -7,7 +7,7 @@ mod radius;
 
 use crate::record::Record;
 pub use adapt::{Shrink, WEBER_FRACTION, disagreeing};
-pub use fill::{Density, Filler, Grid, Progress};
+pub use fill::{BATCH, Course, Density, Filler, Grid, Progress};
 use glam::Vec3A;
 pub use octree::Octree;
 pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours, insert_clamped};

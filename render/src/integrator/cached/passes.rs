@@ -5,6 +5,7 @@ use super::Settings;
 use super::indirect::Indirect;
 use super::kinds::Scratches;
 use super::pace::{PASS, Pace, TRIAL_ROWS};
+use super::progressive::{Halt, Sums};
 use super::shade::{Reading, Shader};
 use super::sparse;
 use super::surface::Surface;
@@ -12,7 +13,7 @@ use crate::bsdf::Split;
 use crate::camera::RayGenerator;
 use crate::picture::{Budget, Picture, Pixel, first_half, summable};
 use crate::sampler::Sampler;
-use crate::scene::{Crop, Rgb};
+use crate::scene::{Camera, Crop, Rgb};
 use crate::simd::widest;
 use crate::world::{Counts, Queries};
 use fearless_simd::Level;
@@ -29,38 +30,46 @@ pub(super) struct Passes<'a> {
     settings: &'a Settings,
     camera: RayGenerator,
     window: Crop,
-    pixels: Vec<Pixel>,
-    /// Of each pixel.
-    surfaces: Vec<Vec<Surface>>,
-    spp: u32,
-    counts: Counts,
+    sums: Sums,
+    /// Asks it to leave off: what it sums is then of no use.
+    halt: Option<&'a Halt>,
 }
 
 impl<'a> Passes<'a> {
-    /// A black picture.
+    /// A black picture of the camera of the world.
     pub fn new(shader: &'a Shader<'a>, settings: &'a Settings) -> Self {
         let camera = &shader.world.scene.camera;
-        let window = camera.film.window();
-        let count = window.width as usize * window.height as usize;
-        Self {
-            shader,
-            settings,
-            camera: RayGenerator::new(camera),
-            window,
-            pixels: vec![Pixel::default(); count],
-            surfaces: vec![Vec::new(); count],
-            spp: 0,
-            counts: shader.caches.counts,
-        }
+        let sums = Sums { counts: shader.caches.counts, ..Sums::of(camera.film.window()) };
+        Self::with(shader, settings, camera, sums, None)
+    }
+
+    /// One that goes on with sums of the camera that the shader has, until it is asked to leave off.
+    pub fn with(
+        shader: &'a Shader<'a>,
+        settings: &'a Settings,
+        camera: &Camera,
+        sums: Sums,
+        halt: Option<&'a Halt>,
+    ) -> Self {
+        Self { shader, settings, camera: RayGenerator::new(camera), window: camera.film.window(), sums, halt }
+    }
+
+    /// What has been summed.
+    pub fn into_sums(self) -> Sums {
+        self.sums
+    }
+
+    fn is_halted(&self) -> bool {
+        self.halt.is_some_and(Halt::is_set)
     }
 
     /// Renders within the budget, which began at `start`. Returns the number of pixels of negative indirect light too.
     pub fn run(mut self, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, u64) {
         match self.settings.budget {
             Budget::Samples(n) => {
-                while self.spp < n {
-                    self.direct(PASS.min(n - self.spp));
-                    progress(DIRECT_SHARE * f64::from(self.spp) / f64::from(n));
+                while self.sums.spp < n {
+                    self.direct(PASS.min(n - self.sums.spp));
+                    progress(DIRECT_SHARE * f64::from(self.sums.spp) / f64::from(n));
                 }
             }
             Budget::Time(limit) => {
@@ -81,7 +90,7 @@ impl<'a> Passes<'a> {
             Budget::Error(_) => (),
         }
         let negative = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
-        let Self { window, pixels, spp, counts, .. } = self;
+        let Self { window, sums: Sums { pixels, spp, counts, .. }, .. } = self;
         let corner = [window.x, window.y];
         let (width, height) = (window.width, window.height);
         (
@@ -91,17 +100,21 @@ impl<'a> Passes<'a> {
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.
-    fn direct(&mut self, pass: u32) {
-        let Self { shader, settings, ref camera, window, spp, .. } = *self;
+    pub fn direct(&mut self, pass: u32) {
+        let Self { shader, settings, ref camera, window, halt, .. } = *self;
+        let Sums { pixels, surfaces, spp, counts } = &mut self.sums;
+        let (spp, sums) = (*spp, (spp, counts));
         let width = window.width as usize;
         let middle = spp + first_half(spp + pass) - first_half(spp);
-        let traced: Counts = self
-            .pixels
+        let traced: Counts = pixels
             .par_chunks_mut(width)
-            .zip(self.surfaces.par_chunks_mut(width))
+            .zip(surfaces.par_chunks_mut(width))
             .enumerate()
             .map_init(Scratches::default, |scratch, (y, (row, surfaces))| {
                 let mut queries = Queries::default();
+                if halt.is_some_and(Halt::is_set) {
+                    return queries.counts;
+                }
                 each_pixel(
                     (window.x, window.y + y as u32),
                     row,
@@ -125,8 +138,8 @@ impl<'a> Passes<'a> {
                 queries.counts
             })
             .sum();
-        self.counts += traced;
-        self.spp += pass;
+        *sums.0 += pass;
+        *sums.1 += traced;
     }
 
     /// Shades a few rows and forgets them, to know what all of them will take.
@@ -136,13 +149,13 @@ impl<'a> Passes<'a> {
         let unread = vec![None; width];
         rows.par_iter().for_each_init(Scratches::default, |scratch, &y| {
             let row = y * width..(y + 1) * width;
-            let mut pixels = self.pixels[row.clone()].to_vec();
+            let mut pixels = self.sums.pixels[row.clone()].to_vec();
             indirect_row(
                 self.shader,
-                (self.settings.seed, self.spp),
+                (self.settings.seed, self.sums.spp),
                 self.place(y),
                 &mut pixels,
-                (&self.surfaces[row], &unread),
+                (&self.sums.surfaces[row], &unread),
                 scratch,
             );
         });
@@ -150,28 +163,36 @@ impl<'a> Passes<'a> {
 
     /// Adds indirect light. Returns the number of pixels where it is negative.
     fn indirect(&mut self, progress: &(dyn Fn(f64) + Sync)) -> u64 {
+        let mut pixels = core::mem::take(&mut self.sums.pixels);
+        let (traced, negative) = self.add_indirect(&mut pixels, progress);
+        self.sums.pixels = pixels;
+        self.sums.counts += traced;
+        negative
+    }
+
+    /// Adds the indirect light of what has been seen so far to a copy of the sums. Returns what was traced too.
+    pub fn add_indirect(&self, pixels: &mut [Pixel], progress: &(dyn Fn(f64) + Sync)) -> (Counts, u64) {
         let rows = AtomicU64::new(0);
-        let Self { shader, settings, window, spp, .. } = *self;
+        let Self { shader, settings, window, sums: Sums { surfaces, spp, .. }, .. } = self;
         let width = window.width as usize;
         let known = match shader.reading {
-            Reading::Every => vec![None; self.surfaces.len()],
-            Reading::Few => sparse::between(shader, &self.surfaces, width),
+            Reading::Every => vec![None; surfaces.len()],
+            Reading::Few => sparse::between(shader, surfaces, width),
         };
-        let (traced, negative) = self
-            .pixels
+        pixels
             .par_chunks_mut(width)
-            .zip(self.surfaces.par_chunks(width).zip(known.par_chunks(width)))
+            .zip(surfaces.par_chunks(width).zip(known.par_chunks(width)))
             .enumerate()
             .map_init(Scratches::default, |scratch, (y, (row, surfaces))| {
-                let place = (window.x, window.y + y as u32);
-                let found = indirect_row(shader, (settings.seed, spp), place, row, surfaces, scratch);
+                if self.is_halted() {
+                    return Default::default();
+                }
+                let found = indirect_row(shader, (settings.seed, *spp), self.place(y), row, surfaces, scratch);
                 let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(done as f64 / f64::from(window.height));
                 found
             })
-            .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1));
-        self.counts += traced;
-        negative
+            .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1))
     }
 
     /// Film coordinates of the first pixel of a row.
