@@ -8,7 +8,7 @@ const MOST_ANGLE: f64 = 7.0;
 const MOST_WAY: f64 = 60.0;
 
 /// Least and largest τ.
-pub(super) const TAUS: [f32; 2] = [0.005, 0.5];
+pub const TAUS: [f32; 2] = [0.005, 0.5];
 /// Largest exposure either way, stops.
 const MOST_STOPS: f32 = 16.0;
 
@@ -135,6 +135,10 @@ pub struct Menu {
     pub record: Option<String>,
     /// Least and largest τ.
     pub taus: [f32; 2],
+    /// Pixels of a whole frame.
+    pub size: [u32; 2],
+    /// Horizontal angle of view, radian; 0 where rays are parallel.
+    pub fov: f32,
 }
 
 impl Menu {
@@ -182,6 +186,8 @@ mod tests {
             denoiser: None,
             record: None,
             taus: TAUS,
+            size: [512, 512],
+            fov: 0.7,
         };
         let check = |text: &str| {
             let command: Command = serde_json::from_str(text).map_err(|e| e.to_string())?;

@@ -16,7 +16,7 @@ mod session;
 mod status;
 mod traced;
 
-pub use command::{Command, Menu, Shown};
+pub use command::{Command, Menu, Shown, TAUS};
 pub use desk::{Answer, Desk};
 pub use navigator::Navigator;
 pub use session::{Audience, Engine, Frame, Options, Prepare, Session};
