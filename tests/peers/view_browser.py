@@ -106,9 +106,10 @@ class Page:
         return box
 
     def key(self, key, code, seconds=0.0):
-        self.ask("Input.dispatchKeyEvent", type="keyDown", key=key, code=code, text=key if len(key) == 1 else "")
+        number = {"windowsVirtualKeyCode": 27} if key == "Escape" else {}
+        self.ask("Input.dispatchKeyEvent", type="keyDown", key=key, code=code, text=key if len(key) == 1 else "", **number)
         time.sleep(seconds)
-        self.ask("Input.dispatchKeyEvent", type="keyUp", key=key, code=code)
+        self.ask("Input.dispatchKeyEvent", type="keyUp", key=key, code=code, **number)
 
     def touch(self, *ways):
         """Fingers that go from one point to another, each."""

@@ -270,8 +270,9 @@ $("forget").addEventListener("click", () => { saved = []; showSaved(); });
 // ---- What is told -------------------------------------------------------------------------------------------------------------
 
 let noticed = 0;
-function notice(text, stays = false) {
+function notice(text, stays = false, wrong = stays) {
   clearTimeout(noticed);
+  $("notice").classList.toggle("wrong", wrong);
   $("notice").hidden = !text;
   $("notice").textContent = text;
   if (text && !stays) noticed = setTimeout(() => { $("notice").hidden = true; }, 5000);
@@ -312,7 +313,7 @@ function tell(told) {
   $("share").classList.toggle("done", told.stage === "settled" || told.stage === "moving");
   set("method", "value", told.method);
   const about = menu.methods.find(([name]) => name === told.method);
-  $("about").textContent = about ? about[1] : "";
+  $("about").textContent = about ? about[1].split(";")[0] : "";
   $("tau").disabled = !cached;
   set("tau", "value", placeOf(told.tau));
   if (document.activeElement !== $("tau")) $("tau-out").value = short(told.tau);
@@ -331,7 +332,7 @@ function tell(told) {
 }
 
 function answer(told) {
-  if (told.tell === "error") notice(told.message);
+  if (told.tell === "error") notice(told.message, false, true);
   if (told.tell === "view") {
     const [first, row] = told.csv.split("\n");
     header = first;
