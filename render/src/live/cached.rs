@@ -1,6 +1,7 @@
 //! Frames from records, and the records for them.
 
-use super::session::{Change, Session};
+use super::orders::Change;
+use super::session::Session;
 use super::status::Stage;
 use crate::cache::Density;
 use crate::integrator::cached::policy::Policy;

@@ -11,6 +11,7 @@ mod clock;
 mod command;
 mod desk;
 mod navigator;
+mod orders;
 mod recorder;
 mod session;
 mod status;

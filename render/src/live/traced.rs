@@ -1,6 +1,7 @@
 //! Frames by path tracing.
 
-use super::session::{Change, Session};
+use super::orders::Change;
+use super::session::Session;
 use super::status::Stage;
 use crate::film::{add_samples, black};
 use crate::integrator::PathTracer;

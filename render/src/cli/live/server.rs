@@ -24,10 +24,11 @@ const MOST_BYTES: usize = 4096;
 const PARTING: Duration = Duration::from_millis(500);
 
 /// The files of the page: name, type, text.
-const FILES: [(&str, &str, &str); 3] = [
+const FILES: [(&str, &str, &str); 4] = [
     ("", "text/html; charset=utf-8", include_str!("page/view.html")),
     ("view.css", "text/css; charset=utf-8", include_str!("page/view.css")),
     ("view.js", "text/javascript; charset=utf-8", include_str!("page/view.js")),
+    ("move.js", "text/javascript; charset=utf-8", include_str!("page/move.js")),
 ];
 
 /// What requests are answered with.
