@@ -11,7 +11,7 @@ use crate::scene::Camera;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time for the records of a frame.
+/// Time for records between frames of a camera that stands still.
 const FILL: Duration = Duration::from_millis(90);
 /// Spacing of the pixels for which records are made while the camera moves, and where it begins, frame by frame.
 const SPACING: u32 = 8;
@@ -68,9 +68,10 @@ impl Session<'_> {
         if !first && self.has_room(caches) {
             let [x, y] = OFFSETS[(seed >> 32) as usize % OFFSETS.len()];
             let how = (Density::Scouted { spacing: SPACING, offset: [x, y] }, seed);
-            let end = Instant::now() + FILL;
-            let all = self.navigator.camera();
+            let (searching, before, all) = (Instant::now(), caches.records(), self.navigator.camera());
+            let end = searching + self.search.time();
             GradualFill::scouting(work.fine, world, all, work.tolerance, how).step(caches, end, &|_| ());
+            self.search.note(searching.elapsed(), caches.records() - before);
         }
         // The next order is most often another move: frames must come nevertheless.
         let (begun, never) = (Instant::now(), Halt::default());

@@ -47,6 +47,38 @@ impl Pace {
     }
 }
 
+/// Time that the records of a frame may take at most, and at least.
+const MOST_FILL: Duration = Duration::from_millis(80);
+const LEAST_FILL: Duration = Duration::from_millis(6);
+/// Records of a frame that are worth the search for more.
+const WORTH: usize = 8;
+
+/// Time for the records of the next frame: what is known takes little.
+#[derive(Debug)]
+pub(super) struct Search(Duration);
+
+impl Search {
+    /// All that there is.
+    pub fn new() -> Self {
+        Self(MOST_FILL)
+    }
+
+    /// How long the next one may take.
+    pub fn time(&self) -> Duration {
+        self.0
+    }
+
+    /// Notes how long one took and how many records came of it.
+    pub fn note(&mut self, took: Duration, records: usize) {
+        let factor = match records {
+            _ if took > MOST_FILL => 0.6,
+            0..WORTH => 0.5,
+            _ => 1.5,
+        };
+        self.0 = self.0.mul_f64(factor).clamp(LEAST_FILL, MOST_FILL);
+    }
+}
+
 /// Frames of the last second.
 #[derive(Debug, Default)]
 pub(super) struct Meter(VecDeque<Instant>);
@@ -91,6 +123,21 @@ mod tests {
             assert!(sizes[25..].iter().all(|s| *s == last.width), "{microseconds}: {sizes:?}");
             assert!(time(&last) <= aim || last.width == 512 * LEAST / PARTS, "{microseconds}: {sizes:?}");
             assert!(last.width == 512 || time(&last).mul_f64(2.6) > aim, "{microseconds}: {sizes:?}");
+        }
+    }
+
+    /// Where nothing is found it is not searched for long, where it takes too long neither, else as long as may be.
+    #[test]
+    fn searches_follow_what_they_find() {
+        let mut search = Search::new();
+        let short = Duration::from_millis(20);
+        for (took, records, least, most) in [
+            (short, 0, LEAST_FILL, LEAST_FILL),
+            (short, 100, MOST_FILL, MOST_FILL),
+            (2 * MOST_FILL, 100, LEAST_FILL, LEAST_FILL),
+        ] {
+            (0..20).for_each(|_| search.note(took, records));
+            assert!(least <= search.time() && search.time() <= most, "{took:?} {records}: {:?}", search.time());
         }
     }
 

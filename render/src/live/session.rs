@@ -1,7 +1,7 @@
 //! The loop of a live view: orders, frames, and what lies between them.
 
 use super::canvas::{Marked, painted};
-use super::clock::{Meter, Pace};
+use super::clock::{Meter, Pace, Search};
 use super::desk::{Answer, Desk};
 use super::navigator::Navigator;
 use super::orders::Change;
@@ -95,6 +95,8 @@ pub struct Session<'a> {
     pub(super) status: Status,
     /// Sizes of frames, by path tracing and from records.
     pub(super) paces: [Pace; 2],
+    /// For records while the camera moves.
+    pub(super) search: Search,
     pub(super) audience: &'a mut dyn Audience,
     prepare: &'a mut Prepare<'a>,
     pub(super) engine: usize,
@@ -147,6 +149,7 @@ impl<'a> Session<'a> {
             navigator,
             status,
             paces: [Pace::new(), Pace::new()],
+            search: Search::new(),
             audience,
             prepare,
             engine,

@@ -177,7 +177,7 @@ impl<'a> Passes<'a> {
         let width = window.width as usize;
         let known = match shader.reading {
             Reading::Every => vec![None; surfaces.len()],
-            Reading::Few => sparse::between(shader, surfaces, width),
+            Reading::Few | Reading::Rough => sparse::between(shader, surfaces, width),
         };
         pixels
             .par_chunks_mut(width)

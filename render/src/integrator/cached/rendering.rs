@@ -61,7 +61,7 @@ impl<'a> Rendering<'a> {
 
     /// The same, for pictures that are shown for a moment: few pixels read records, and what these do not hold is one path.
     pub fn hasty(self) -> Self {
-        Self { paths: Paths::HASTY, reading: Reading::Few, ..self }
+        Self { paths: Paths::HASTY, reading: Reading::Rough, ..self }
     }
 
     /// Adds to caches, until the deadline, what the camera of the world needs at τ.

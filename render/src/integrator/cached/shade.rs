@@ -58,6 +58,8 @@ pub enum Reading {
     Every,
     /// Few, where what they reflect is smooth: it is interpolated between them.
     Few,
+    /// Fewer, for pictures that are shown for a moment.
+    Rough,
 }
 
 /// How many paths a surface gets whose light is not all in records.
