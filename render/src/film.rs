@@ -4,7 +4,7 @@ use crate::camera::RayGenerator;
 use crate::integrator::{Integrator, Start};
 use crate::picture::{Budget, Picture, Pixel, Radiance, first_half};
 use crate::sampler::Sampler;
-use crate::scene::Rgb;
+use crate::scene::{Camera, Rgb};
 use crate::simd::widest;
 use crate::world::{Counts, Queries, World};
 use fearless_simd::Level;
@@ -29,10 +29,35 @@ pub fn render<I: Integrator>(
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Picture {
-    let camera = RayGenerator::new(&world.scene.camera);
-    let window = world.scene.camera.film.window();
+    let camera = &world.scene.camera;
+    let mut picture = black(camera);
+    let start = Instant::now();
+    loop {
+        let (pass, end) = match next_pass(&picture, budget, start) {
+            Some(next) => next,
+            None => return picture,
+        };
+        let (from, height) = (picture.spp, f64::from(picture.height));
+        let rows = AtomicU64::new(0);
+        let row_done = || {
+            let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
+            if let Some(end) = end {
+                progress((f64::from(from) + done as f64 / height * f64::from(pass)) / end);
+            }
+        };
+        add_samples((world, camera), integrator, &mut picture, (pass, seed), || false, row_done);
+        if let Budget::Error(target) = budget {
+            // The squared error falls with the number of samples.
+            progress(f64::from(target / picture.relative_error()).powi(2).clamp(0.0, 1.0));
+        }
+    }
+}
+
+/// A picture of a camera without any samples.
+pub fn black(camera: &Camera) -> Picture {
+    let window = camera.film.window();
     let count = window.width as usize * window.height as usize;
-    let mut picture = Picture {
+    Picture {
         width: window.width,
         height: window.height,
         corner: [window.x, window.y],
@@ -43,55 +68,45 @@ pub fn render<I: Integrator>(
         counts: Counts::default(),
         from_records: false,
         denoised: None,
-    };
-    let start = Instant::now();
-    let level = Level::new();
-    loop {
-        let (pass, end) = match next_pass(&picture, budget, start) {
-            Some(next) => next,
-            None => return picture,
-        };
-        let (from, to) = (picture.spp, picture.spp + pass);
-        let rows = AtomicU64::new(0);
-        let sample_row = |(y, row): (usize, &mut [Pixel])| {
-            let (mut queries, mut batch) = (Queries::default(), Batch::default());
-            widest(
-                level,
-                #[inline(always)]
-                || {
-                    let chunk = BATCH.div_ceil(pass as usize);
-                    for (i, pixels) in row.chunks_mut(chunk).enumerate() {
-                        let corner = (window.x + (i * chunk) as u32, window.y + y as u32);
-                        sample_pixels(
-                            world,
-                            integrator,
-                            &camera,
-                            seed,
-                            corner,
-                            from..to,
-                            pixels,
-                            &mut queries,
-                            &mut batch,
-                        );
-                    }
-                },
-            );
-            let done = rows.fetch_add(1, Ordering::Relaxed) + 1;
-            if let Some(end) = end {
-                let part = done as f64 / f64::from(window.height);
-                progress((f64::from(from) + part * f64::from(pass)) / end);
-            }
-            queries.counts
-        };
-        let rows = picture.pixels.par_chunks_mut(window.width as usize).enumerate().map(sample_row);
-        picture.counts += rows.sum::<Counts>();
-        picture.spp = to;
-        picture.passes += 1;
-        if let Budget::Error(target) = budget {
-            // The squared error falls with the number of samples.
-            progress(f64::from(target / picture.relative_error()).powi(2).clamp(0.0, 1.0));
-        }
     }
+}
+
+/// Adds a pass of so many samples to every pixel of a picture that a camera takes, with sample points of this seed.
+/// Where `halted` becomes true the rows that are left get none, and the picture is of no use. `row_done` is called after every row.
+pub fn add_samples<I: Integrator>(
+    (world, camera): (&World, &Camera),
+    integrator: &I,
+    picture: &mut Picture,
+    (pass, seed): (u32, u64),
+    halted: impl Fn() -> bool + Sync,
+    row_done: impl Fn() + Sync,
+) {
+    let (camera, window) = (RayGenerator::new(camera), camera.film.window());
+    let level = Level::new();
+    let (from, to) = (picture.spp, picture.spp + pass);
+    let sample_row = |(y, row): (usize, &mut [Pixel])| {
+        let (mut queries, mut batch) = (Queries::default(), Batch::default());
+        if halted() {
+            return queries.counts;
+        }
+        widest(
+            level,
+            #[inline(always)]
+            || {
+                let chunk = BATCH.div_ceil(pass.max(1) as usize);
+                for (i, pixels) in row.chunks_mut(chunk).enumerate() {
+                    let corner = (window.x + (i * chunk) as u32, window.y + y as u32);
+                    sample_pixels(world, integrator, &camera, seed, corner, from..to, pixels, &mut queries, &mut batch);
+                }
+            },
+        );
+        row_done();
+        queries.counts
+    };
+    let rows = picture.pixels.par_chunks_mut(window.width as usize).enumerate().map(sample_row);
+    picture.counts += rows.sum::<Counts>();
+    picture.spp = to;
+    picture.passes += 1;
 }
 
 /// Paths that are followed together, at least, where a row has so many.

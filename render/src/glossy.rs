@@ -4,7 +4,7 @@
 //! The renderer says what a pixel shows (a [`Spot`]) and what light comes along a ray ([`Incident`]); the cache puts records where
 //! the picture needs them and tells the light that a spot reflects. `examples/cache_library.rs` is the whole of it.
 
-use crate::cache::{Cache, Density, FOUND, Filler, Grid, RadiusPolicy, Spacing, insert_clamped};
+use crate::cache::{BATCH, Cache, Course, Density, FOUND, Filler, Grid, RadiusPolicy, Spacing, insert_clamped};
 use crate::color::{luminance, mean_radiance};
 use crate::frame::Frame;
 use crate::hemisphere::{Guide, Incident, View, gather_cells, nearest, view_directions};
@@ -131,8 +131,9 @@ impl GlossyCache {
             };
             Some((self.record(s, &views, place, incident), self.quality.glossy.min_pixels * s.footprint))
         };
-        let filler = Filler { grid, density: Density::Every, refile: true, deadline: None, progress: &|_| () };
-        filler.fill(&mut records, |_, _| Vec::new(), covered, make, insert_clamped);
+        let density = Density::Every;
+        let filler = Filler { grid, density, refile: true, batch: BATCH, deadline: None, progress: &|_| () };
+        filler.fill(&mut Course::new(grid, density), &mut records, |_, _| Vec::new(), covered, make, insert_clamped);
         self.records = records;
     }
 

@@ -14,6 +14,8 @@ pub mod image;
 pub mod inspect;
 pub mod integrator;
 pub mod light;
+#[cfg(feature = "formats")]
+pub mod live;
 mod math;
 pub mod memory;
 pub mod metric;

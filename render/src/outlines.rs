@@ -9,7 +9,7 @@ use crate::camera::RayGenerator;
 use crate::integrator::PathTracer;
 use crate::picture::{Picture, Radiance};
 use crate::sampler::Sampler;
-use crate::scene::{Crop, Rgb};
+use crate::scene::{Camera, Crop, Rgb};
 use crate::simd::widest;
 use crate::world::{Counts, Queries, World};
 use fearless_simd::Level;
@@ -85,9 +85,9 @@ struct Eye<'a> {
 }
 
 impl<'a> Eye<'a> {
-    fn new(world: &'a World, seed: u64, indirect_only: bool) -> Self {
+    fn new((world, camera): (&'a World, &Camera), seed: u64, indirect_only: bool) -> Self {
         let tracer = PathTracer { settings: world.scene.integrator, indirect_only };
-        Self { world, tracer, camera: RayGenerator::new(&world.scene.camera), seed }
+        Self { world, tracer, camera: RayGenerator::new(camera), seed }
     }
 
     /// What the rays of these indices see of a pixel, summed.
@@ -111,9 +111,9 @@ impl<'a> Eye<'a> {
     }
 }
 
-/// Takes what pixels at outlines show from more camera rays than the samples of a picture that was rendered with this seed.
-/// `indirect_only`: light that is scattered less than twice was left out of the picture.
-pub fn refine(world: &World, picture: &mut Picture, (seed, indirect_only): (u64, bool), of: Of) {
+/// Takes what pixels at outlines show from more camera rays than the samples of a picture of this camera that was rendered with this
+/// seed. `indirect_only`: light that is scattered less than twice was left out of the picture.
+pub fn refine(from: (&World, &Camera), picture: &mut Picture, (seed, indirect_only): (u64, bool), of: Of) {
     let (width, height, spp) = (picture.width as usize, picture.height as usize, picture.spp);
     let seen: Vec<Seen> = picture.pixels.iter().map(|p| Seen::new(&p.sum(), spp as f32)).collect();
     let rays = |i: usize| {
@@ -125,7 +125,7 @@ pub fn refine(world: &World, picture: &mut Picture, (seed, indirect_only): (u64,
     };
     let outline: Vec<(usize, u32)> =
         (0..width * height).into_par_iter().map(|i| (i, rays(i))).filter(|(_, rays)| *rays > spp).collect();
-    let eye = Eye::new(world, seed, indirect_only);
+    let eye = Eye::new(from, seed, indirect_only);
     let [left, top] = picture.corner;
     let refined: Vec<(Radiance, Counts)> = outline
         .par_iter()
@@ -160,7 +160,7 @@ const PATH: f64 = 8.0;
 /// About what [`refine`] with guides takes after path tracing for `time` seconds, by looking at a few blocks of the film.
 pub fn seconds(world: &World, time: f64) -> f64 {
     let Crop { x, y, width, height } = world.scene.camera.film.window();
-    let eye = Eye::new(world, 0, false);
+    let eye = Eye::new((world, &world.scene.camera), 0, false);
     let start = Instant::now();
     let corner =
         |size: u32, k: u32| (u64::from(size.saturating_sub(BLOCK)) * u64::from(k) / u64::from(BLOCKS - 1)) as u32;

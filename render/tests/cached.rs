@@ -21,6 +21,8 @@ mod lamps;
 mod lens;
 #[path = "cached/library.rs"]
 mod library;
+#[path = "cached/live.rs"]
+mod live;
 #[path = "cached/mixtures.rs"]
 mod mixtures;
 #[path = "cached/pictures.rs"]

@@ -17,7 +17,7 @@ mod usage;
 
 pub use pending::Pending;
 #[cfg(feature = "command")]
-pub use pending::watch;
+pub use pending::{stop_with, watch};
 #[cfg(feature = "progress")]
 pub use progress::{Progress, with_progress};
 #[cfg(feature = "command")]

@@ -23,6 +23,20 @@ impl Drop for Pending {
     }
 }
 
+/// What the first signal does in place of ending the process.
+#[cfg(feature = "command")]
+type Stop = Box<dyn FnOnce() + Send>;
+
+#[cfg(feature = "command")]
+static STOP: Mutex<Option<Stop>> = Mutex::new(None);
+
+/// Has the next signal that would end the process call `stop`, which is to bring it to its end; one more ends it at once. Needs
+/// [`watch`].
+#[cfg(feature = "command")]
+pub fn stop_with(stop: impl FnOnce() + Send + 'static) {
+    *STOP.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(stop));
+}
+
 /// Sets the process up to be ended: what Ctrl-C and the like interrupt leaves no temporary file, and a file that grows
 /// beyond what the shell's `ulimit -f` allows is an error of that file instead of the end of the process.
 #[cfg(all(unix, feature = "command"))]
@@ -35,6 +49,11 @@ pub fn watch() {
     let Ok(mut signals) = Signals::new(heeded) else { return };
     std::thread::spawn(move || {
         for signal in signals.forever() {
+            let stop = STOP.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(stop) = stop {
+                stop();
+                continue;
+            }
             // Held until the process is gone: no new file appears.
             let pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
             for path in pending.iter() {

@@ -23,8 +23,8 @@ pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 /// Spacing of the first wave, pixels.
 const COARSEST: u32 = 32;
 
-/// Records of a wave that are made at once: between such batches the clock is looked at.
-const BATCH: usize = 256;
+/// Records of a wave that are made at once, unless something waits for each batch.
+pub const BATCH: usize = 256;
 
 /// Which candidates are looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,43 +49,96 @@ pub struct Filler<'a> {
     pub density: Density,
     /// Whether records are filed anew at the end, which takes time where there are many.
     pub refile: bool,
+    /// Records that are made at once: between such batches the clock is looked at. The cache does not depend on it.
+    pub batch: usize,
     /// End of the time there is.
     pub deadline: Option<Instant>,
     /// Told how far it is.
     pub progress: Progress<'a>,
 }
 
+/// How far a filling is, so that it can be left and gone on with.
+pub struct Course {
+    scouts: Scouts,
+    waves: Box<dyn Iterator<Item = Wave> + Send>,
+    /// Pixels of the wave in work that nothing reached when it began.
+    open: Vec<usize>,
+    /// How many of them have had their turn.
+    turned: usize,
+    /// Pixels that were looked at, the wave in work included.
+    seen: usize,
+    done: bool,
+}
+
+impl Course {
+    /// Before the first wave.
+    pub fn new(grid: Grid, density: Density) -> Self {
+        let waves = Box::new(waves(grid, density));
+        Self { scouts: Scouts::new(grid, density), waves, open: Vec::new(), turned: 0, seen: 0, done: false }
+    }
+
+    /// Whether there is nothing more to do.
+    pub fn is_done(&self) -> bool {
+        self.done
+    }
+
+    /// Leaves the rest.
+    pub fn end(&mut self) {
+        self.done = true;
+    }
+
+    /// Begins the next wave; `false` after the last.
+    fn next<R: Record>(
+        &mut self,
+        cache: &mut Cache<R>,
+        adapt: impl Fn(&Cache<R>, usize) -> Vec<Shrink> + Sync,
+        covered: impl Fn(&Cache<R>, usize) -> bool + Sync,
+    ) -> bool {
+        self.scouts.note(&self.open);
+        let Some(wave) = self.waves.next() else { return false };
+        let pixels = self.scouts.choose(&wave);
+        let shrinks: Vec<Shrink> = pixels.par_iter().flat_map_iter(|&i| adapt(cache, i)).collect();
+        cache.shrink(&shrinks);
+        self.open = pixels.into_par_iter().filter(|&i| !covered(cache, i)).collect();
+        (self.turned, self.seen) = (0, self.seen + wave.len());
+        true
+    }
+}
+
 impl Filler<'_> {
     /// Makes a record at every pixel that is not `covered` by the time its wave comes. `adapt` tells which records must
     /// reach less far for what they say of a pixel. `insert` adds a record, and may adjust it and its neighbours. Stops at
-    /// the deadline.
+    /// the deadline; called again with the same `course` it goes on, to the same records as without a stop.
     pub fn fill<R: Record, M: Send>(
         &self,
+        course: &mut Course,
         cache: &mut Cache<R>,
         adapt: impl Fn(&Cache<R>, usize) -> Vec<Shrink> + Sync,
         covered: impl Fn(&Cache<R>, usize) -> bool + Sync,
         make: impl Fn(&Cache<R>, usize) -> Option<M> + Sync,
         mut insert: impl FnMut(&mut Cache<R>, M),
     ) {
-        let mut scouts = Scouts::new(self.grid, self.density);
+        if course.done {
+            return;
+        }
         let total = f64::from(self.grid.width) * f64::from(self.grid.height);
-        let mut seen = 0;
-        'waves: for Wave { spacing, pixels: all } in waves(self.grid, self.density) {
-            let pixels = scouts.choose(spacing, &all);
-            let shrinks: Vec<Shrink> = pixels.par_iter().flat_map_iter(|&i| adapt(cache, i)).collect();
-            cache.shrink(&shrinks);
-            let open: Vec<usize> = pixels.par_iter().copied().filter(|&i| !covered(cache, i)).collect();
-            for batch in open.chunks(BATCH) {
+        loop {
+            while course.turned < course.open.len() {
                 if self.deadline.is_some_and(|end| Instant::now() >= end) {
-                    break 'waves;
+                    return;
                 }
+                let end = course.open.len().min(course.turned + self.batch.max(1));
+                let batch = &course.open[course.turned..end];
                 let made: Vec<M> = batch.par_iter().filter_map(|&i| make(cache, i)).collect();
                 made.into_iter().for_each(|record| insert(cache, record));
+                course.turned = end;
             }
-            scouts.note(&open);
-            seen += all.len();
-            (self.progress)(seen as f64 / total);
+            (self.progress)(course.seen as f64 / total);
+            if !course.next(cache, &adapt, &covered) {
+                break;
+            }
         }
+        course.done = true;
         if self.refile {
             cache.refile();
         }
@@ -93,10 +146,28 @@ impl Filler<'_> {
 }
 
 /// Pixels of one spacing.
+#[derive(Clone, Copy)]
 struct Wave {
+    grid: Grid,
     /// Of all pixels up to this wave.
     spacing: u32,
-    pixels: Vec<usize>,
+    /// Of its own pixels, and the first of them.
+    step: u32,
+    first: [u32; 2],
+}
+
+impl Wave {
+    /// Number of its pixels.
+    fn len(&self) -> usize {
+        let count = |first: u32, of: u32| of.saturating_sub(first).div_ceil(self.step) as usize;
+        count(self.first[0], self.grid.width) * count(self.first[1], self.grid.height)
+    }
+
+    fn pixels(&self) -> impl Iterator<Item = usize> + use<> {
+        let Self { grid: Grid { width, height }, step, first: [x0, y0], .. } = *self;
+        let columns = move |y: u32| (x0..width).step_by(step as usize).map(move |x| (y * width + x) as usize);
+        (y0..height).step_by(step as usize).flat_map(columns)
+    }
 }
 
 /// Every pixel once: a coarse grid, then the three grids between at every halving of the spacing.
@@ -105,16 +176,12 @@ fn waves(grid: Grid, density: Density) -> impl Iterator<Item = Wave> {
         Density::Every => [0, 0],
         Density::Scouted { offset, .. } => offset,
     };
-    let lattice = move |spacing: u32, x0: u32, y0: u32| {
-        let (x0, y0) = ((x0 + right) % spacing, (y0 + down) % spacing);
-        let columns =
-            move |y: u32| (x0..grid.width).step_by(spacing as usize).map(move |x| (y * grid.width + x) as usize);
-        (y0..grid.height).step_by(spacing as usize).flat_map(columns).collect::<Vec<_>>()
-    };
     let halvings = (0..COARSEST.ilog2()).map(|k| COARSEST >> k);
     let finer = halvings.flat_map(move |s| [(s, s / 2, s / 2), (s, s / 2, 0), (s, 0, s / 2)].map(|at| (s / 2, at)));
     let all = core::iter::once((COARSEST, (COARSEST, 0, 0))).chain(finer);
-    all.map(move |(spacing, (s, x, y))| Wave { spacing, pixels: lattice(s, x, y) })
+    let wave =
+        move |(spacing, (step, x, y))| Wave { grid, spacing, step, first: [(x + right) % step, (y + down) % step] };
+    all.map(wave)
 }
 
 /// Where pixels between those of a lattice are looked at.
@@ -142,16 +209,19 @@ impl Scouts {
     }
 
     /// Those of a wave that are to be looked at.
-    fn choose(&self, spacing: u32, pixels: &[usize]) -> Vec<usize> {
-        if spacing >= self.spacing {
-            return pixels.to_vec();
+    fn choose(&self, wave: &Wave) -> Vec<usize> {
+        if wave.spacing >= self.spacing {
+            return wave.pixels().collect();
+        }
+        if !self.open.contains(&true) {
+            return Vec::new();
         }
         let columns = self.grid.width.div_ceil(self.spacing);
         let is_open = |pixel: &usize| {
             let (x, y) = self.block(*pixel);
             self.open[(y * columns + x) as usize]
         };
-        pixels.iter().copied().filter(is_open).collect()
+        wave.pixels().filter(is_open).collect()
     }
 
     /// Notes pixels that nothing reached.
@@ -181,7 +251,9 @@ mod tests {
         for (width, height) in [(1, 1), (40, 33), (100, 7)] {
             for density in [Density::Every, scouted] {
                 let mut count = vec![0; (width * height) as usize];
-                waves(Grid { width, height }, density).flat_map(|w| w.pixels).for_each(|i| count[i] += 1);
+                waves(Grid { width, height }, density).flat_map(|w| w.pixels()).for_each(|i| count[i] += 1);
+                let pixels: usize = waves(Grid { width, height }, density).map(|w| w.len()).sum();
+                assert_eq!(pixels, (width * height) as usize);
                 assert!(count.iter().all(|&n| n == 1), "{width} {height} {density:?}");
             }
         }
@@ -195,8 +267,8 @@ mod tests {
         let looked = |hole: Option<usize>| {
             let mut scouts = Scouts::new(grid, density);
             let mut looked = Vec::new();
-            for Wave { spacing, pixels } in waves(grid, density) {
-                let pixels = scouts.choose(spacing, &pixels);
+            for wave in waves(grid, density) {
+                let pixels = scouts.choose(&wave);
                 let open: Vec<_> = pixels.iter().copied().filter(|p| Some(*p) == hole).collect();
                 scouts.note(&open);
                 looked.extend(pixels);

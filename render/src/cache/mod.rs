@@ -9,7 +9,7 @@ mod spheres;
 
 use crate::record::Record;
 pub use adapt::{Shrink, WEBER_FRACTION, disagreeing};
-pub use fill::{Density, Filler, Grid, Progress};
+pub use fill::{BATCH, Course, Density, Filler, Grid, Progress};
 use glam::Vec3A;
 pub use lookup::Lookup;
 pub use octree::Octree;

@@ -126,7 +126,8 @@ pub fn run(
     };
     if let Some((denoiser, how)) = denoising {
         let start = Instant::now();
-        outlines::refine(&subject.world, &mut picture, (plan.seed, plan.indirect_only), GUIDES);
+        let from = (&subject.world, &subject.world.scene.camera);
+        outlines::refine(from, &mut picture, (plan.seed, plan.indirect_only), GUIDES);
         denoiser.denoise(&mut picture, how.effort)?;
         row.denoise = start.elapsed().as_secs_f64();
     }

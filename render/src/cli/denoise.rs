@@ -80,7 +80,7 @@ pub(super) fn apply(
     stats: &mut Stats,
 ) -> Result<()> {
     let start = Instant::now();
-    outlines::refine(&job.world, picture, (job.seed, job.indirect_only), GUIDES);
+    outlines::refine((&job.world, &job.world.scene.camera), picture, (job.seed, job.indirect_only), GUIDES);
     let bounded = denoiser.denoise(picture, effort)?;
     let seconds = start.elapsed().as_secs_f64();
     stats.denoised(denoiser.name(), seconds, bounded);

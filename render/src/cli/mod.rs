@@ -10,6 +10,7 @@ mod image;
 mod info;
 mod job;
 mod lens;
+mod live;
 mod look;
 mod method;
 mod options;
@@ -40,6 +41,9 @@ enum Command {
     /// Draw the frames of a walk through a scene, from caches that are filled once.
     #[command(long_about = walk::LONG_ABOUT)]
     Walk(Box<walk::Args>),
+    /// Walk through a scene in a browser, while its caches fill.
+    #[command(long_about = live::LONG_ABOUT)]
+    View(Box<live::Args>),
     /// Draw frames of a walk from caches and by path tracing, with a denoiser and without, at equal time: errors, flicker, a page.
     WalkChart(walk_chart::Args),
     /// Look into files of records, and join those that were filled apart.
@@ -64,6 +68,7 @@ pub fn run() -> ExitCode {
     let result: Result<ExitCode> = match cli.command {
         Command::Image(args) => image::run(&args),
         Command::Walk(mut args) => walk::run(&mut args),
+        Command::View(args) => live::run(&args),
         Command::WalkChart(args) => walk_chart::run(&args),
         Command::Cache(args) => cache::run(&args),
         Command::Info(args) => info::run(&args),

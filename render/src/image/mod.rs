@@ -24,7 +24,7 @@ pub use raster::{Channels, Raster, Samples, half};
 #[cfg(feature = "formats")]
 pub use read::{Pixels, Window, Windows, decode, read, read_noise, read_pixels};
 #[cfg(feature = "formats")]
-pub use screen::{Format, write_png};
+pub use screen::{Format, jpeg, write_png};
 #[cfg(feature = "formats")]
 pub use write::{Look, write_picture, write_whole};
 

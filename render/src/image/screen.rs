@@ -1,6 +1,7 @@
 //! PNG, JPEG and WebP: eight bits per channel, as a screen shows them.
 
 use super::note;
+use super::view::Display;
 use super::write::{Look, content, extension, write_whole};
 use super::{Image, ImageError};
 use image::codecs::jpeg::JpegEncoder;
@@ -105,6 +106,16 @@ pub(super) fn write(
         note::into_png(&mut file, text);
     }
     write_whole(path, &file)
+}
+
+/// A picture as a display shows it, as JPEG of this quality (1 to 100); `None` where it is too large for that.
+pub fn jpeg(image: &Image, display: &Display, quality: u8) -> Option<Vec<u8>> {
+    let level = |x: f32| (255.0 * x + 0.5) as u8;
+    let bytes: Vec<u8> = image.pixels.par_iter().flat_map_iter(|p| display.values(*p).map(level)).collect();
+    let mut out = Vec::new();
+    let mut encoder = JpegEncoder::new_with_quality(&mut out, quality);
+    encoder.encode(&bytes, image.width, image.height, ExtendedColorType::Rgb8).ok()?;
+    Some(out)
 }
 
 /// Writes a picture with the sRGB curve.

@@ -7,10 +7,12 @@ use crate::integrator::cached::kinds::{self, GlossyCaches};
 use crate::integrator::cached::{Caches, EachKind, Listed};
 use crate::ray::Ray;
 use crate::record::Record;
+use crate::scene::{Camera, Crop};
 use crate::world::World;
 use core::convert::Infallible;
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3A};
+use rayon::prelude::*;
 
 /// Colours of the kinds, linear: EAS or harmonics, irradiance, coarse irradiance.
 const GLOSSY: [f32; 3] = [1.0, 0.15, 0.05];
@@ -20,13 +22,33 @@ const COARSE: [f32; 3] = [0.1, 0.3, 1.0];
 /// Share of a pixel that a ring covers; a dot covers all of it.
 const RING: f32 = 0.35;
 
-/// A rendering with a dot for every record the camera sees, and the circle of its zone of influence on its tangent plane,
+/// What is drawn of records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Marks {
+    /// A dot where each is.
+    pub dots: bool,
+    /// The circle that it reaches.
+    pub zones: bool,
+}
+
+impl Marks {
+    /// Both.
+    pub const ALL: Self = Self { dots: true, zones: true };
+}
+
+/// [`show_marks`] of dots and zones.
+pub fn show_records(image: &Image, world: &World, caches: &Caches) -> Image {
+    show_marks(image, (world, &world.scene.camera), caches, Marks::ALL)
+}
+
+/// A rendering with a dot for every record that its camera sees, and the circle of its zone of influence on its tangent plane,
 /// at least one pixel wide: EAS or harmonic records red, irradiance green, coarse irradiance blue. Records and parts of circles that something hides, and
 /// those of surfaces seen in mirrors only, are left out.
-pub fn show_records(image: &Image, world: &World, caches: &Caches) -> Image {
-    let mut out = Overlay { image: image.clone(), camera: RayGenerator::new(&world.scene.camera), world };
-    caches.coarse.records().iter().for_each(|r| out.record(r, COARSE));
-    caches.irradiance.records().iter().for_each(|r| out.record(r, IRRADIANCE));
+pub fn show_marks(image: &Image, (world, camera): (&World, &Camera), caches: &Caches, marks: Marks) -> Image {
+    let (window, camera) = (camera.film.window(), RayGenerator::new(camera));
+    let mut out = Overlay { image: image.clone(), camera, window, world, marks };
+    out.records(caches.coarse.records(), COARSE);
+    out.records(caches.irradiance.records(), IRRADIANCE);
     let Ok(()) = kinds::each(&mut Glossy { out: &mut out, caches: &caches.glossy });
     out.image
 }
@@ -41,7 +63,7 @@ impl EachKind for Glossy<'_, '_> {
     type Error = Infallible;
 
     fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
-        K::cache(self.caches).records().iter().for_each(|r| self.out.record(r, GLOSSY));
+        self.out.records(K::cache(self.caches).records(), GLOSSY);
         Ok(())
     }
 }
@@ -49,15 +71,37 @@ impl EachKind for Glossy<'_, '_> {
 struct Overlay<'a> {
     image: Image,
     camera: RayGenerator,
+    window: Crop,
     world: &'a World,
+    marks: Marks,
+}
+
+/// Pixels that a record covers.
+#[derive(Default)]
+struct Covered {
+    dot: Option<usize>,
+    ring: Vec<usize>,
 }
 
 impl Overlay<'_> {
-    fn record(&mut self, record: &impl Record, color: [f32; 3]) {
+    /// Draws records over each other in their order.
+    fn records<R: Record + Sync>(&mut self, records: &[R], color: [f32; 3]) {
+        let covered: Vec<Covered> = records.par_iter().filter_map(|record| self.covered(record)).collect();
+        for Covered { dot, ring } in covered {
+            ring.into_iter().for_each(|i| self.blend(i, color, RING));
+            dot.into_iter().for_each(|i| self.blend(i, color, 1.0));
+        }
+    }
+
+    fn covered(&self, record: &impl Record) -> Option<Covered> {
         let (position, radius) = (record.position(), record.radius());
-        let Some(dot) = self.project(position) else { return };
+        let dot = self.project(position)?;
         if self.hidden(position) {
-            return;
+            return None;
+        }
+        let mut covered = Covered { dot: self.pixel(dot).filter(|_| self.marks.dots), ring: Vec::new() };
+        if !self.marks.zones {
+            return Some(covered);
         }
         let frame = Frame::from_normal(record.normal());
         let on_ring = |k: usize, steps: usize| {
@@ -72,28 +116,23 @@ impl Overlay<'_> {
             .fold(1.0, f32::max);
         let steps = (1.5 * TAU * extent).ceil().clamp(8.0, 20_000.0) as usize;
         // A pixel is blended once, however many steps fall on it.
-        let mut covered = Vec::new();
         for k in 0..steps {
             let on_ring = on_ring(k, steps);
             if let Some(p) = self.project(on_ring).filter(|_| !self.hidden(on_ring)) {
                 let away = p - dot;
                 let p = if away.length() < 1.0 { dot + away.try_normalize().unwrap_or(Vec2::X) } else { p };
-                covered.extend(self.pixel(p));
+                covered.ring.extend(self.pixel(p));
             }
         }
-        covered.sort_unstable();
-        covered.dedup();
-        covered.iter().for_each(|i| self.blend(*i, color, RING));
-        if let Some(i) = self.pixel(dot) {
-            self.blend(i, color, 1.0);
-        }
+        covered.ring.sort_unstable();
+        covered.ring.dedup();
+        Some(covered)
     }
 
     /// Pixels of the rendering, which may be a part of the film.
     fn project(&self, p: Vec3A) -> Option<Vec2> {
-        let window = self.world.scene.camera.film.window();
         let (x, y) = self.camera.project(p)?;
-        Some(Vec2::new(x - window.x as f32, y - window.y as f32))
+        Some(Vec2::new(x - self.window.x as f32, y - self.window.y as f32))
     }
 
     fn pixel(&self, p: Vec2) -> Option<usize> {

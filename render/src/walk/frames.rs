@@ -53,7 +53,7 @@ impl Source<'_> {
             }
         };
         let of = Of { emission: !indirect_only, guides: denoised };
-        outlines::refine(world, &mut picture, (seed, indirect_only), of);
+        outlines::refine((world, camera), &mut picture, (seed, indirect_only), of);
         picture
     }
 }

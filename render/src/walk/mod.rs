@@ -17,5 +17,5 @@ pub use frames::Source;
 pub use names::{FrameFiles, FrameNumbers, LAST_FRAME, MAX_FRAMES};
 pub use path::{Row, Walk};
 #[cfg(feature = "formats")]
-pub use table::read_rows;
+pub use table::{read_rows, write_rows};
 pub use trial::{Trial, choose_samples};

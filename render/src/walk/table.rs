@@ -59,6 +59,20 @@ pub fn read_rows(text: &[u8]) -> Result<BTreeMap<u32, Row>, String> {
     if rows.is_empty() { Err("there is no row below the header".into()) } else { Ok(rows) }
 }
 
+/// The path through rows, as [`read_rows`] reads it.
+pub fn write_rows<'a>(rows: impl IntoIterator<Item = (u32, &'a Row)>) -> String {
+    let rows: Vec<_> = rows.into_iter().collect();
+    let fov = rows.iter().all(|(_, row)| row.fov.is_some());
+    let mut text = COLUMNS[..COLUMNS.len() - usize::from(!fov)].join(",") + "\n";
+    for (frame, Row { eye, look, up, fov: degrees }) in rows {
+        let numbers = [eye, look, up].into_iter().flat_map(|v| v.to_array()).chain(degrees.filter(|_| fov));
+        text +=
+            &core::iter::once(frame.to_string()).chain(numbers.map(|x| x.to_string())).collect::<Vec<_>>().join(",");
+        text.push('\n');
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +89,16 @@ mod tests {
         assert_eq!((rows[&7].look, rows[&7].fov), (DVec3::new(4.0, 5.0, 6.0), None));
         let rows = read_rows(format!("{HEADER}\n0,0,0,0,0,0,1,0,1,0,30\n").as_bytes()).unwrap();
         assert_eq!(rows[&0].fov, Some(30.0));
+    }
+
+    /// What is written is read again, to the last bit.
+    #[test]
+    fn rows_come_back() {
+        let row = |x: f64| Row { eye: DVec3::new(x, 1e-9, -3.25), look: DVec3::X, up: DVec3::Y, fov: Some(x / 3.0) };
+        let rows = BTreeMap::from([(1, row(0.1)), (25, row(1e7 / 7.0))]);
+        assert_eq!(read_rows(write_rows(rows.iter().map(|(f, r)| (*f, r))).as_bytes()).unwrap(), rows);
+        let flat = BTreeMap::from([(3, Row { fov: None, ..row(2.0) })]);
+        assert_eq!(read_rows(write_rows(flat.iter().map(|(f, r)| (*f, r))).as_bytes()).unwrap(), flat);
     }
 
     #[test]

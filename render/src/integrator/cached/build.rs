@@ -1,6 +1,7 @@
 //! Filling the caches of a picture (eas-2015, Algorithm 1, first stage).
 
 use super::caches::Caches;
+use super::gradual::Courses;
 use super::incident::IncidentTracer;
 use super::irradiance::COVERED;
 use super::kinds::{self, EachKind, Listed, Scratches};
@@ -9,7 +10,9 @@ use super::policy::{Policy, Treatment};
 use super::settings::Quality;
 use super::site::Site;
 use super::views::{Pixels, RIM_VIEWS};
-use crate::cache::{Cache, Density, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, disagreeing, insert_clamped};
+use crate::cache::{
+    BATCH, Cache, Course, Density, Filler, Grid, Progress, RadiusPolicy, Shrink, Weight, disagreeing, insert_clamped,
+};
 use crate::camera::RayGenerator;
 use crate::record::irradiance::IrradianceRecord;
 use crate::record::{Receiver, Record};
@@ -48,6 +51,8 @@ pub struct Builder<'a> {
     density: Density,
     /// Whether records are filed anew at the end of a fill.
     refile: bool,
+    /// Records that are made at once.
+    batch: usize,
     counts: Mutex<Counts>,
     /// Points of the rim of the lens.
     pub(super) rim: Vec<Vec3A>,
@@ -70,8 +75,8 @@ impl<'a> Builder<'a> {
         let sight = Sight::new(world, camera, policy, seed, max);
         let grid = Grid { width: window.width, height: window.height };
         let rim = generator.rim(RIM_VIEWS).collect();
-        let (density, refile) = (Density::Every, true);
-        Self { world, policy, environment, quality, seed, sight, grid, density, refile, counts: Mutex::default(), rim }
+        let (density, refile, batch, counts) = (Density::Every, true, BATCH, Mutex::default());
+        Self { world, policy, environment, quality, seed, sight, grid, density, refile, batch, counts, rim }
     }
 
     /// The same, which looks at fewer pixels and files no record anew: of many frames that are filled one after the other,
@@ -82,22 +87,57 @@ impl<'a> Builder<'a> {
         Self { density, refile: false, ..self }
     }
 
+    /// The same, which looks at the clock after so many records: they are the same.
+    pub(super) fn in_batches(self, batch: usize) -> Self {
+        Self { batch, ..self }
+    }
+
     /// Fills all caches, beginning with those of an earlier run, until the deadline; `progress` is told the share of the work done.
     pub fn build(&self, kept: Option<Caches>, deadline: Option<Instant>, progress: &(dyn Fn(f64) + Sync)) -> Caches {
         let (min, max) = self.world.bounds();
         let mut caches = kept.unwrap_or_else(|| Caches::new(min, max));
-        self.fill_coarse(&mut caches.coarse, deadline, &|x| progress(COARSE_SHARE * x));
-        if self.holds_light() {
-            let Caches { coarse, irradiance, glossy, .. } = &mut caches;
+        let mut courses = self.courses();
+        self.go_on(&mut courses, &mut caches, deadline, progress);
+        if self.refile && !courses.are_done() {
+            caches.refile();
+        }
+        caches
+    }
+
+    /// The way that a fill has before it.
+    pub(super) fn courses(&self) -> Courses {
+        Courses::new(self.grid, self.density)
+    }
+
+    /// Goes on with a fill until the deadline.
+    pub(super) fn go_on(
+        &self,
+        courses: &mut Courses,
+        caches: &mut Caches,
+        deadline: Option<Instant>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) {
+        let Caches { coarse, irradiance, glossy, .. } = caches;
+        self.fill_coarse(coarse, &mut courses.coarse, deadline, &|x| progress(COARSE_SHARE * x));
+        if self.holds_light() && courses.coarse.is_done() {
             let tracer = self.record_tracer(coarse);
-            self.fill_diffuse(irradiance, &tracer, deadline, &|x| progress(COARSE_SHARE + DIFFUSE_SHARE * x));
+            let progressed = |x: f64| progress(COARSE_SHARE + DIFFUSE_SHARE * x);
+            self.fill_diffuse(irradiance, &mut courses.diffuse, &tracer, deadline, &progressed);
             let before = COARSE_SHARE + DIFFUSE_SHARE;
             let progress: Progress = &|x| progress(before + GLOSSY_SHARE * x);
-            let Ok(()) =
-                kinds::each(&mut FillEach { builder: self, caches: glossy, tracer: &tracer, deadline, progress });
+            let courses = courses.glossy.iter_mut();
+            let Ok(()) = kinds::each(&mut FillEach {
+                builder: self,
+                caches: glossy,
+                courses,
+                tracer: &tracer,
+                deadline,
+                progress,
+            });
+        } else if !self.holds_light() {
+            courses.end();
         }
         caches.counts = *self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        caches
     }
 
     /// Whether paths are long enough for any light in records.
@@ -147,7 +187,8 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn filler<'p>(&self, deadline: Option<Instant>, progress: Progress<'p>) -> Filler<'p> {
-        Filler { grid: self.grid, density: self.density, refile: self.refile, deadline, progress }
+        let Self { grid, density, refile, batch, .. } = *self;
+        Filler { grid, density, refile, batch, deadline, progress }
     }
 
     /// Adds what a record took, and drops it where a number in it is not finite.
@@ -215,7 +256,7 @@ impl<'a> Builder<'a> {
     /// Fills the cache of a kind.
     fn fill<K: Listed>(
         &self,
-        cache: &mut Cache<K::Record>,
+        (cache, course): (&mut Cache<K::Record>, &mut Course),
         tracer: &IncidentTracer,
         deadline: Option<Instant>,
         progress: Progress,
@@ -236,7 +277,7 @@ impl<'a> Builder<'a> {
         };
         let adapt =
             |cache: &Cache<K::Record>, i: usize| self.disagreeing(cache, i, (quality.weight, quality.glossy), light);
-        self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
+        self.filler(deadline, progress).fill(course, cache, adapt, covered, make, insert_clamped);
     }
 }
 
@@ -258,10 +299,12 @@ impl EachKind for HolesEach<'_> {
     }
 }
 
-/// Fills the caches of the kinds that hold any material.
+/// Fills the caches of the kinds that hold any material, one after the other.
 struct FillEach<'a> {
     builder: &'a Builder<'a>,
     caches: &'a mut kinds::GlossyCaches,
+    /// Of the kinds that are left.
+    courses: core::slice::IterMut<'a, Course>,
     tracer: &'a IncidentTracer<'a>,
     deadline: Option<Instant>,
     progress: Progress<'a>,
@@ -271,8 +314,12 @@ impl EachKind for FillEach<'_> {
     type Error = Infallible;
 
     fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        let Some(course) = self.courses.next() else { return Ok(()) };
         if self.builder.policy.treatments().iter().any(|treatment| held_by::<K>(*treatment).is_some()) {
-            self.builder.fill::<K>(K::cache_mut(self.caches), self.tracer, self.deadline, self.progress);
+            let place = (K::cache_mut(self.caches), course);
+            self.builder.fill::<K>(place, self.tracer, self.deadline, self.progress);
+        } else {
+            course.end();
         }
         Ok(())
     }

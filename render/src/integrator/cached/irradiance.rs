@@ -4,7 +4,7 @@ use super::build::Builder;
 use super::incident::IncidentTracer;
 use super::points::Point;
 use super::policy::Treatment;
-use crate::cache::{Cache, RadiusPolicy, Weight, insert_clamped};
+use crate::cache::{Cache, Course, RadiusPolicy, Weight, insert_clamped};
 use crate::color::luminance;
 use crate::frame::Frame;
 use crate::record::Record;
@@ -37,6 +37,7 @@ impl Builder<'_> {
     pub(super) fn fill_coarse(
         &self,
         cache: &mut Cache<IrradianceRecord>,
+        course: &mut Course,
         deadline: Option<Instant>,
         progress: &(dyn Fn(f64) + Sync),
     ) {
@@ -45,7 +46,10 @@ impl Builder<'_> {
             let full = self.tracer(None, None, depth - 2);
             let (rays, radius) = (self.quality.coarse_rays, self.quality.coarse);
             let at = |p: &Point| self.treatment(p) != Treatment::Traced;
-            self.fill_irradiance(cache, &full, &Wanted { rays, radius, salt: COARSE_SALT, at }, deadline, progress);
+            let wanted = Wanted { rays, radius, salt: COARSE_SALT, at };
+            self.fill_irradiance((cache, course), &full, &wanted, deadline, progress);
+        } else {
+            course.end();
         }
     }
 
@@ -53,18 +57,20 @@ impl Builder<'_> {
     pub(super) fn fill_diffuse(
         &self,
         cache: &mut Cache<IrradianceRecord>,
+        course: &mut Course,
         tracer: &IncidentTracer,
         deadline: Option<Instant>,
         progress: &(dyn Fn(f64) + Sync),
     ) {
         let (rays, radius) = (self.quality.irradiance_rays, self.quality.irradiance);
         let at = |p: &Point| self.treatment(p) == Treatment::Irradiance;
-        self.fill_irradiance(cache, tracer, &Wanted { rays, radius, salt: SALT, at }, deadline, progress);
+        let wanted = Wanted { rays, radius, salt: SALT, at };
+        self.fill_irradiance((cache, course), tracer, &wanted, deadline, progress);
     }
 
     fn fill_irradiance(
         &self,
-        cache: &mut Cache<IrradianceRecord>,
+        (cache, course): (&mut Cache<IrradianceRecord>, &mut Course),
         tracer: &IncidentTracer,
         wanted: &Wanted<impl Fn(&Point) -> bool + Sync>,
         deadline: Option<Instant>,
@@ -86,7 +92,7 @@ impl Builder<'_> {
             let light = |p: &Point, r: &IrradianceRecord| Some(r.at(p.at.p, p.hemisphere_normal()));
             if unwanted { Vec::new() } else { self.disagreeing(cache, i, (Weight::Smooth, wanted.radius), light) }
         };
-        self.filler(deadline, progress).fill(cache, adapt, covered, make, insert_clamped);
+        self.filler(deadline, progress).fill(course, cache, adapt, covered, make, insert_clamped);
     }
 
     /// Whether a diffuse surface in pixel `i` needs no record besides those that reach it.

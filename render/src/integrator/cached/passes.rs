@@ -4,20 +4,21 @@
 use super::Settings;
 use super::kinds::Scratches;
 use super::pace::{PASS, Pace, TRIAL_ROWS};
+use super::progressive::{Halt, Sums};
 use super::report::Shading;
 use super::shade::{Reading, Shader};
 use super::sparse;
 use super::splat::{SIDE, Splats};
-use super::surface::Surface;
 use super::tiles::{Memory, Reader};
 use crate::camera::RayGenerator;
 use crate::picture::{Budget, Picture, Pixel, first_half};
 use crate::sampler::Sampler;
-use crate::scene::Crop;
+use crate::scene::{Camera, Crop};
 use crate::simd::widest;
 use crate::world::{Counts, Queries};
 use fearless_simd::Level;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -30,46 +31,51 @@ pub(super) struct Passes<'a> {
     settings: &'a Settings,
     camera: RayGenerator,
     window: Crop,
-    pixels: Vec<Pixel>,
-    /// Of each pixel.
-    surfaces: Vec<Vec<Surface>>,
-    /// The records on the film, where they are drawn onto it.
-    splats: Option<Splats>,
-    spp: u32,
-    counts: Counts,
+    /// Whether its rays come from a lens.
+    lens: bool,
+    sums: Sums,
+    /// The records on the film, where they are drawn onto it; made when light is first read.
+    splats: OnceLock<Option<Splats>>,
+    /// Asks it to leave off: what it sums is then of no use.
+    halt: Option<&'a Halt>,
 }
 
 impl<'a> Passes<'a> {
-    /// A black picture.
+    /// A black picture of the camera of the world.
     pub fn new(shader: &'a Shader<'a>, settings: &'a Settings) -> Self {
         let camera = &shader.world.scene.camera;
-        let window = camera.film.window();
-        let count = window.width as usize * window.height as usize;
-        let generator = RayGenerator::new(camera);
-        let splats = settings
-            .interpolation
-            .splats(shader.reading)
-            .then(|| Splats::new(shader.caches, &generator, camera.lens.is_some()));
-        Self {
-            shader,
-            settings,
-            camera: generator,
-            window,
-            pixels: vec![Pixel::default(); count],
-            surfaces: vec![Vec::new(); count],
-            splats,
-            spp: 0,
-            counts: shader.caches.counts,
-        }
+        let sums = Sums { counts: shader.caches.counts, ..Sums::of(camera.film.window()) };
+        Self::with(shader, settings, camera, sums, None)
+    }
+
+    /// One that goes on with sums of the camera that the shader has, until it is asked to leave off.
+    pub fn with(
+        shader: &'a Shader<'a>,
+        settings: &'a Settings,
+        camera: &Camera,
+        sums: Sums,
+        halt: Option<&'a Halt>,
+    ) -> Self {
+        let (generator, window, lens) = (RayGenerator::new(camera), camera.film.window(), camera.lens.is_some());
+        Self { shader, settings, camera: generator, window, lens, sums, splats: OnceLock::new(), halt }
+    }
+
+    /// What has been summed.
+    pub fn into_sums(self) -> Sums {
+        self.sums
+    }
+
+    fn is_halted(&self) -> bool {
+        self.halt.is_some_and(Halt::is_set)
     }
 
     /// Renders within the budget, which began at `start`.
     pub fn run(mut self, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, Shading) {
         match self.settings.budget {
             Budget::Samples(n) => {
-                while self.spp < n {
-                    self.direct(PASS.min(n - self.spp));
-                    progress(DIRECT_SHARE * f64::from(self.spp) / f64::from(n));
+                while self.sums.spp < n {
+                    self.direct(PASS.min(n - self.sums.spp));
+                    progress(DIRECT_SHARE * f64::from(self.sums.spp) / f64::from(n));
                 }
             }
             Budget::Time(limit) => {
@@ -91,7 +97,7 @@ impl<'a> Passes<'a> {
         }
         let reading = Instant::now();
         let negative_pixels = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
-        let Self { window, pixels, spp, counts, .. } = self;
+        let Self { window, sums: Sums { pixels, spp, counts, .. }, .. } = self;
         let corner = [window.x, window.y];
         let (width, height) = (window.width, window.height);
         (
@@ -112,17 +118,21 @@ impl<'a> Passes<'a> {
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.
-    fn direct(&mut self, pass: u32) {
-        let Self { shader, settings, ref camera, window, spp, .. } = *self;
+    pub fn direct(&mut self, pass: u32) {
+        let Self { shader, settings, ref camera, window, halt, .. } = *self;
+        let Sums { pixels, surfaces, spp, counts } = &mut self.sums;
+        let (spp, sums) = (*spp, (spp, counts));
         let width = window.width as usize;
         let middle = spp + first_half(spp + pass) - first_half(spp);
-        let traced: Counts = self
-            .pixels
+        let traced: Counts = pixels
             .par_chunks_mut(width)
-            .zip(self.surfaces.par_chunks_mut(width))
+            .zip(surfaces.par_chunks_mut(width))
             .enumerate()
             .map_init(Scratches::default, |scratch, (y, (row, surfaces))| {
                 let mut queries = Queries::default();
+                if halt.is_some_and(Halt::is_set) {
+                    return queries.counts;
+                }
                 each_pixel(
                     (window.x, window.y + y as u32),
                     row,
@@ -146,8 +156,8 @@ impl<'a> Passes<'a> {
                 queries.counts
             })
             .sum();
-        self.counts += traced;
-        self.spp += pass;
+        *sums.0 += pass;
+        *sums.1 += traced;
     }
 
     /// Shades a few rows and forgets them, to know what all of them will take.
@@ -157,41 +167,51 @@ impl<'a> Passes<'a> {
         let (reader, unread) = (self.reader(), vec![None; width]);
         rows.par_iter().for_each_init(Memory::default, |memory, &y| {
             let row = y * width..(y + 1) * width;
-            let mut pixels = self.pixels[row.clone()].to_vec();
-            reader.rows(self.place(y), width, &mut pixels, (&self.surfaces[row], &unread), memory);
+            let mut pixels = self.sums.pixels[row.clone()].to_vec();
+            reader.rows(self.place(y), width, &mut pixels, (&self.sums.surfaces[row], &unread), memory);
         });
     }
 
     /// Adds indirect light. Returns the number of pixels where it is negative.
     fn indirect(&mut self, progress: &(dyn Fn(f64) + Sync)) -> u64 {
+        let mut pixels = core::mem::take(&mut self.sums.pixels);
+        let (traced, negative) = self.add_indirect(&mut pixels, progress);
+        self.sums.pixels = pixels;
+        self.sums.counts += traced;
+        negative
+    }
+
+    /// Adds the indirect light of what has been seen so far to a copy of the sums. Returns what was traced too.
+    pub fn add_indirect(&self, pixels: &mut [Pixel], progress: &(dyn Fn(f64) + Sync)) -> (Counts, u64) {
         let rows = AtomicU64::new(0);
-        let width = self.window.width as usize;
-        let known = match self.shader.reading {
-            Reading::Every => vec![None; self.surfaces.len()],
-            Reading::Few => sparse::between(self.shader, &self.surfaces, width),
+        let (shader, surfaces, width) = (self.shader, &self.sums.surfaces, self.window.width as usize);
+        let known = match shader.reading {
+            Reading::Every => vec![None; surfaces.len()],
+            Reading::Few | Reading::Rough => sparse::between(shader, surfaces, width),
         };
-        let mut pixels = core::mem::take(&mut self.pixels);
         let reader = self.reader();
-        let (traced, negative) = pixels
+        pixels
             .par_chunks_mut(SIDE * width)
-            .zip(self.surfaces.par_chunks(SIDE * width).zip(known.par_chunks(SIDE * width)))
+            .zip(surfaces.par_chunks(SIDE * width).zip(known.par_chunks(SIDE * width)))
             .enumerate()
             .map_init(Memory::default, |memory, (band, (pixels, surfaces))| {
+                if self.is_halted() {
+                    return Default::default();
+                }
                 let found = reader.rows(self.place(SIDE * band), width, pixels, surfaces, memory);
                 let here = (pixels.len() / width) as u64;
                 let done = rows.fetch_add(here, Ordering::Relaxed) + here;
                 progress(done as f64 / f64::from(self.window.height));
                 found
             })
-            .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1));
-        self.pixels = pixels;
-        self.counts += traced;
-        negative
+            .reduce(Default::default, |a, b| ([a.0, b.0].into_iter().sum(), a.1 + b.1))
     }
 
     fn reader(&self) -> Reader<'_> {
-        let Self { shader, settings, splats, spp, .. } = self;
-        Reader { shader, splats: splats.as_ref(), seed: settings.seed, spp: *spp }
+        let Self { shader, settings, camera, lens, splats, sums, .. } = self;
+        let drawn = settings.interpolation.splats(shader.reading);
+        let splats = splats.get_or_init(|| drawn.then(|| Splats::new(shader.caches, camera, *lens)));
+        Reader { shader, splats: splats.as_ref(), seed: settings.seed, spp: sums.spp }
     }
 
     /// Film coordinates of the first pixel of a row.

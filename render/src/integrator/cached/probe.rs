@@ -97,7 +97,7 @@ impl Builder<'_> {
         }
         let (min, max) = self.world.bounds();
         let mut coarse = Cache::new(min, max);
-        self.fill_coarse(&mut coarse, None, progress);
+        self.fill_coarse(&mut coarse, &mut self.courses().coarse, None, progress);
         let tracer = self.record_tracer(&coarse);
         let site = self.site(&tracer, point, i);
         let (lobe, frame) = (&eas.lobes[held.lobe], site.frame());

@@ -60,6 +60,11 @@ impl<'a> Rendering<'a> {
         Self { paths: if denoised { Paths::DENOISED } else { Paths::SMOOTH }, ..self }
     }
 
+    /// The same, for pictures that are shown for a moment: few pixels read records, and what these do not hold is one path.
+    pub fn hasty(self) -> Self {
+        Self { paths: Paths::HASTY, reading: Reading::Rough, ..self }
+    }
+
     /// Adds to caches, until the deadline, what the camera of the world needs at τ.
     pub fn fill(
         &self,
@@ -98,7 +103,17 @@ impl<'a> Rendering<'a> {
     }
 
     fn builder<'w>(&'w self, world: &'w World, tolerance: f32, seed: u64) -> Builder<'w> {
-        let camera = &world.scene.camera;
+        self.coarse_builder(world, &world.scene.camera, tolerance, seed)
+    }
+
+    /// What fills caches for a camera, whose film may be larger than what a fill looks at.
+    pub(super) fn coarse_builder<'w>(
+        &'w self,
+        world: &'w World,
+        camera: &Camera,
+        tolerance: f32,
+        seed: u64,
+    ) -> Builder<'w> {
         let coarse = Camera { film: camera.film.at_most(FILL_PIXELS), ..camera.clone() };
         self.builder_through(world, &coarse, tolerance, seed)
     }
@@ -118,19 +133,29 @@ impl<'a> Rendering<'a> {
         start: Instant,
         progress: &(dyn Fn(f64) + Sync),
     ) -> (Picture, Shading) {
-        let shader = Shader {
+        let shader = self.shader((world, &world.scene.camera), tolerance, caches);
+        let settings = Settings { budget, seed, ..self.settings };
+        Passes::new(&shader, &settings).run(start, progress)
+    }
+
+    /// What shades pixels of a camera.
+    pub(super) fn shader<'s>(
+        &'s self,
+        (world, camera): (&'s World, &Camera),
+        tolerance: f32,
+        caches: &'s Caches,
+    ) -> Shader<'s> {
+        Shader {
             world,
             policy: self.policy,
             caches,
             split: &self.split,
             quality: self.quality(tolerance),
             indirect_only: self.settings.indirect_only,
-            cone: PixelCone::new(&world.scene.camera),
-            grouping: Grouping::new(world.scene.camera.lens.is_some()),
+            cone: PixelCone::new(camera),
+            grouping: Grouping::new(camera.lens.is_some()),
             reading: self.reading,
             paths: self.paths,
-        };
-        let settings = Settings { budget, seed, ..self.settings };
-        Passes::new(&shader, &settings).run(start, progress)
+        }
     }
 }

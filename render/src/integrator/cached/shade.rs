@@ -60,6 +60,8 @@ pub enum Reading {
     Every,
     /// Few, where what they reflect is smooth: it is interpolated between them.
     Few,
+    /// Fewer, for pictures that are shown for a moment.
+    Rough,
 }
 
 /// How many paths a surface gets whose light is not all in records.
@@ -69,13 +71,17 @@ pub(super) struct Paths {
     doubted: f32,
     /// Where light is cached for the neighbours only.
     least: f32,
+    /// However many samples of the pixel show the surface.
+    most: f32,
 }
 
 impl Paths {
     /// The neighbours have no noise, so it must not have much.
-    pub const SMOOTH: Self = Self { doubted: 64.0, least: 8.0 };
+    pub const SMOOTH: Self = Self { doubted: 64.0, least: 8.0, most: f32::INFINITY };
     /// A denoiser takes the noise away: in a staircase of rough plastics, a third of the time for less error.
-    pub const DENOISED: Self = Self { doubted: 4.0, least: 2.0 };
+    pub const DENOISED: Self = Self { doubted: 4.0, least: 2.0, most: f32::INFINITY };
+    /// The next picture comes soon.
+    pub const HASTY: Self = Self { doubted: 1.0, least: 1.0, most: 1.0 };
 }
 
 impl Shader<'_> {
@@ -275,7 +281,7 @@ impl Shader<'_> {
             let share = s.point.throughput.max_element().clamp(0.0, 1.0);
             let paths = |doubt: f32| {
                 let least = self.paths.least.max(self.paths.doubted * doubt);
-                (s.samples.max(share * least) as u32, samplers)
+                (s.samples.max(share * least).min(self.paths.most) as u32, samplers)
             };
             sum += self.surface(s, find(s), &paths, queries);
         }

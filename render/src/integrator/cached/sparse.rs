@@ -6,7 +6,7 @@
 //! cell fills is read pixel by pixel. Textures are not interpolated: of the diffuse part the irradiance is.
 
 use super::kinds::Scratches;
-use super::shade::Shader;
+use super::shade::{Reading, Shader};
 use super::surface::Surface;
 use crate::bsdf::Split;
 use crate::scene::Rgb;
@@ -17,6 +17,8 @@ use rayon::prelude::*;
 /// Sides of cells, pixels, and the largest difference between the corners of one that is filled, over their mean: bilinear
 /// interpolation errs by a small part of that. Measured: `doc/measurements.md`, what is denoised.
 const CELLS: [(usize, f32); 2] = [(4, 0.08), (2, 0.16)];
+/// The same for pictures that are shown for a moment.
+const ROUGH_CELLS: [(usize, f32); 3] = [(8, 0.25), (4, 0.35), (2, 0.5)];
 
 /// Distance between pixels of a cell, in widths of a pixel for each pixel between them: seen at a grazing angle, they are long.
 const REACH: f32 = 6.0;
@@ -41,12 +43,13 @@ struct Node {
 
 /// Light of records for all samples of each pixel, row by row; `None` where it is to be read there.
 pub(super) fn between(shader: &Shader, surfaces: &[Vec<Surface>], width: usize) -> Vec<Option<Split>> {
+    let cells: &[(usize, f32)] = if shader.reading == Reading::Rough { &ROUGH_CELLS } else { &CELLS };
     let grid = Grid { shader, surfaces, width, height: surfaces.len() / width.max(1) };
     let mut nodes: Vec<Option<Node>> = vec![None; surfaces.len()];
     let mut was_read = vec![false; surfaces.len()];
     let mut light: Vec<Option<Split>> = vec![None; surfaces.len()];
-    let mut open = grid.cells(CELLS[0].0);
-    for (level, &(side, tolerance)) in CELLS.iter().enumerate() {
+    let mut open = grid.cells(cells[0].0);
+    for (level, &(side, tolerance)) in cells.iter().enumerate() {
         let mut wanted: Vec<usize> = open.iter().flat_map(|cell| grid.corners(*cell, side)).collect();
         wanted.sort_unstable();
         wanted.dedup();
@@ -59,7 +62,7 @@ pub(super) fn between(shader: &Shader, surfaces: &[Vec<Surface>], width: usize) 
         let filled: Vec<_> = open.par_iter().map(|cell| grid.fill(*cell, side, tolerance, &nodes)).collect();
         let mut left = Vec::new();
         for (cell, filled) in open.iter().zip(filled) {
-            match (filled, CELLS.get(level + 1)) {
+            match (filled, cells.get(level + 1)) {
                 (Some(filled), _) => filled.into_iter().for_each(|(i, found)| light[i] = Some(found)),
                 (None, Some(&(finer, _))) => left.extend(grid.divided(*cell, side, finer)),
                 (None, None) => (),

@@ -56,6 +56,11 @@ impl Key {
         Self { header: self.header.at(tolerance), ..*self }
     }
 
+    /// The same for no camera: whoever reads the file looks whether it holds what is needed.
+    pub fn anywhere(&self) -> Self {
+        Self { header: self.header.without_camera(), ..*self }
+    }
+
     /// Tells whether anything but the camera is the same.
     pub fn checksum(&self) -> Result<u64, CacheFileError> {
         let mut hash = Hash::default();
