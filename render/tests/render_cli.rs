@@ -44,6 +44,24 @@ fn renders_exr_and_png_and_writes_figures() {
     assert!((exr.pixels[8 * 24 + 12][1] - 0.3).abs() < 0.01 && exr.pixels[0] == [0.5; 3]);
 }
 
+#[test]
+fn shells_complete_and_man_has_pages() {
+    let f = Folder::with(SCENE, &[]);
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let (script, _) = f.ok(&format!("completions {shell}"));
+        assert!(script.contains("walk-chart") && script.contains("time-per-frame"), "{shell}");
+    }
+    f.ok("completions man -o pages/man1");
+    for (page, word) in [("render", "render\\-walk"), ("render-image", "denoise"), ("render-cache-merge", "merge")] {
+        let text =
+            std::fs::read_to_string(f.path(&format!("pages/man1/{page}.1"))).unwrap_or_else(|e| panic!("{page}: {e}"));
+        assert!(text.contains(word) && text.starts_with(".ie"), "{page}: {text:.300}");
+    }
+    f.bad("completions man", "--output");
+    f.bad("completions bash -o pages", "--output is for man");
+    f.bad("completions csh", "csh");
+}
+
 /// Lamps near the end of the range of single precision, whose sum is beyond it: what is lost is counted and said.
 #[test]
 fn what_is_not_finite_is_counted() {

@@ -5,6 +5,7 @@ mod caching;
 mod chart;
 mod choices;
 mod compare;
+mod completions;
 mod denoise;
 mod image;
 mod info;
@@ -23,7 +24,7 @@ mod walk;
 mod walk_chart;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Renders glossy global illumination.
@@ -56,6 +57,8 @@ enum Command {
     Compare(compare::Args),
     /// Chart speed against accuracy of all methods: a table, figures, and one page to read.
     Chart(chart::Args),
+    /// Print what a shell completes when the tabulator is pressed, or write pages for man.
+    Completions(completions::Args),
 }
 
 /// Runs the command; 0 done, 1 a check failed, 2 bad input or usage.
@@ -75,6 +78,7 @@ pub fn run() -> ExitCode {
         Command::Probe(args) => probe::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Chart(args) => chart::run(args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
     };
     result.unwrap_or_else(|error| {
         eprintln!("render: {}", kit::one_line(&error));
