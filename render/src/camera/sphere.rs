@@ -5,7 +5,7 @@
 //! the ends of the chord (Mara and McGuire 2013, "2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere").
 
 use super::RayGenerator;
-use glam::{DMat3, DVec2, DVec3, Vec3A};
+use glam::{DVec2, DVec3, Vec3A};
 
 /// A part of the film in pixels from the top left: pixel (x, y) has its middle at (x + ½, y + ½). May reach beyond the film, to
 /// infinity too.
@@ -34,7 +34,7 @@ impl Silhouettes {
     /// Those of a camera.
     pub fn new(generator: &RayGenerator) -> Self {
         let RayGenerator { to_world, parallel, half, center, inverse_size, clip, .. } = generator;
-        let inverse = DMat3::from(to_world.matrix3.as_dmat3()).inverse();
+        let inverse = to_world.matrix3.as_dmat3().inverse();
         let size = inverse_size.as_dvec2().recip();
         Self {
             eye: to_world.translation.as_dvec3(),
@@ -59,11 +59,8 @@ impl Silhouettes {
         }
         let along = |axis: DVec3| {
             let across = Extent { middle: axis.dot(offset), square: square * axis.length_squared() };
-            if self.parallel {
-                [across.middle - across.reach(), across.middle + across.reach()]
-            } else {
-                slopes(across, depth, square * axis.dot(z), near)
-            }
+            let of = if self.parallel { places } else { slopes };
+            of(across, depth, square * axis.dot(z), near)
         };
         let (x, y) = (along(x), along(y));
         let [a, b] = [0, 1].map(|i| self.center + self.scale * DVec2::new(x[i], y[i]));
@@ -84,16 +81,33 @@ impl Extent {
     }
 }
 
+/// Smallest and largest x of an ellipse at depths z ≥ near; `mixed` as in [`slopes`].
+fn places(x: Extent, z: Extent, mixed: f64, near: f64) -> [f64; 2] {
+    let reach = x.reach();
+    let chord = chord(x, z, mixed, near);
+    [-1.0, 1.0].map(|side| {
+        // Where it is that wide, it may lie in front of the near plane.
+        let widest = z.middle + side * mixed / reach;
+        match chord {
+            Some((middle, half)) if widest < near => middle + side * half,
+            _ => x.middle + side * reach,
+        }
+    })
+}
+
+/// Middle and half length of the chord of an ellipse at a depth, if there is any.
+fn chord(x: Extent, z: Extent, mixed: f64, depth: f64) -> Option<(f64, f64)> {
+    let to = depth - z.middle;
+    let square = (x.square - mixed * mixed / z.square) * (1.0 - to * to / z.square);
+    (to * to < z.square).then(|| (x.middle + mixed / z.square * to, square.max(0.0).sqrt()))
+}
+
 /// Smallest and largest x/z of an ellipse at depths z ≥ near > 0; `mixed` is the coefficient that makes it oblique, 0 for a circle.
 /// The whole line if rounding leaves nothing of it.
 fn slopes(x: Extent, z: Extent, mixed: f64, near: f64) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut meet = |slope: f64| (low, high) = (low.min(slope), high.max(slope));
-    let to_near = near - z.middle;
-    if to_near * to_near < z.square {
-        let middle = x.middle + mixed / z.square * to_near;
-        let chord = (x.square - mixed * mixed / z.square) * (1.0 - to_near * to_near / z.square);
-        let half = chord.max(0.0).sqrt();
+    if let Some((middle, half)) = chord(x, z, mixed, near) {
         meet((middle - half) / near);
         meet((middle + half) / near);
     }

@@ -182,9 +182,9 @@ impl Receivers {
             let row = [x, y, z, source.inv_distance, source.solid_angle, source.factor, u, v];
             let [x, y, z, solid_angle, area, is_near] = moved(row.map(splat), &to, albedo.support());
             for (sum, light) in irradiance.iter_mut().zip(source.light) {
-                *sum = *sum + splat(light) * area;
+                *sum += splat(light) * area;
             }
-            whole = whole + area;
+            whole += area;
             let lanes = is_near.simd_gt(splat(0.0)).to_bitmask() & self.used;
             if lanes != 0 {
                 let direction = [x.to_array(), y.to_array(), z.to_array()];
