@@ -11,7 +11,7 @@ use crate::scene::Camera;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time for records between frames of a camera that stands still.
+/// Time for records between two frames.
 const FILL: Duration = Duration::from_millis(90);
 /// Spacing of the pixels for which records are made while the camera moves, and where it begins, frame by frame.
 const SPACING: u32 = 8;
@@ -65,13 +65,12 @@ impl Session<'_> {
     /// Draws a frame of a camera that moves.
     fn move_on(&mut self, work: &Work, caches: &mut Caches, sums: &mut Sums, first: bool) {
         let (world, seed, camera) = (self.world, self.next_seed(), self.quick_camera(true));
-        if !first && self.has_room(caches) {
+        if !first && self.has_room(caches) && self.search.is_due() {
             let [x, y] = OFFSETS[(seed >> 32) as usize % OFFSETS.len()];
             let how = (Density::Scouted { spacing: SPACING, offset: [x, y] }, seed);
-            let (searching, before, all) = (Instant::now(), caches.records(), self.navigator.camera());
-            let end = searching + self.search.time();
+            let (before, end, all) = (caches.records(), Instant::now() + FILL, self.navigator.camera());
             GradualFill::scouting(work.fine, world, all, work.tolerance, how).step(caches, end, &|_| ());
-            self.search.note(searching.elapsed(), caches.records() - before);
+            self.search.note(caches.records() - before);
         }
         // The next order is most often another move: frames must come nevertheless.
         let (begun, never) = (Instant::now(), Halt::default());

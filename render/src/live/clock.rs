@@ -47,35 +47,29 @@ impl Pace {
     }
 }
 
-/// Time that the records of a frame may take at most, and at least.
-const MOST_FILL: Duration = Duration::from_millis(80);
-const LEAST_FILL: Duration = Duration::from_millis(6);
 /// Records of a frame that are worth the search for more.
 const WORTH: usize = 8;
+/// Frames without a search where the last one was not worth it.
+const REST: u32 = 3;
 
-/// Time for the records of the next frame: what is known takes little.
-#[derive(Debug)]
-pub(super) struct Search(Duration);
+/// Which frames of a camera that moves are searched for missing records: to find that none is missing takes time too.
+#[derive(Debug, Default)]
+pub(super) struct Search {
+    /// Frames without one before the next.
+    rest: u32,
+}
 
 impl Search {
-    /// All that there is.
-    pub fn new() -> Self {
-        Self(MOST_FILL)
+    /// Whether the next frame is searched.
+    pub fn is_due(&mut self) -> bool {
+        let due = self.rest == 0;
+        self.rest = self.rest.saturating_sub(1);
+        due
     }
 
-    /// How long the next one may take.
-    pub fn time(&self) -> Duration {
-        self.0
-    }
-
-    /// Notes how long one took and how many records came of it.
-    pub fn note(&mut self, took: Duration, records: usize) {
-        let factor = match records {
-            _ if took > MOST_FILL => 0.6,
-            0..WORTH => 0.5,
-            _ => 1.5,
-        };
-        self.0 = self.0.mul_f64(factor).clamp(LEAST_FILL, MOST_FILL);
+    /// Notes how many records came of a search.
+    pub fn note(&mut self, records: usize) {
+        self.rest = if records < WORTH { REST } else { 0 };
     }
 }
 
@@ -126,18 +120,19 @@ mod tests {
         }
     }
 
-    /// Where nothing is found it is not searched for long, where it takes too long neither, else as long as may be.
+    /// Where nothing is found few frames are searched, but never none.
     #[test]
     fn searches_follow_what_they_find() {
-        let mut search = Search::new();
-        let short = Duration::from_millis(20);
-        for (took, records, least, most) in [
-            (short, 0, LEAST_FILL, LEAST_FILL),
-            (short, 100, MOST_FILL, MOST_FILL),
-            (2 * MOST_FILL, 100, LEAST_FILL, LEAST_FILL),
-        ] {
-            (0..20).for_each(|_| search.note(took, records));
-            assert!(least <= search.time() && search.time() <= most, "{took:?} {records}: {:?}", search.time());
+        let mut search = Search::default();
+        for (records, searched) in [(100, 40), (0, 10), (100, 40)] {
+            let mut count = 0;
+            for _ in 0..40 {
+                if search.is_due() {
+                    search.note(records);
+                    count += 1;
+                }
+            }
+            assert_eq!(count, searched, "{records}");
         }
     }
 

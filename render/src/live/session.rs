@@ -150,7 +150,7 @@ impl<'a> Session<'a> {
             navigator,
             status,
             paces: [Pace::new(), Pace::new()],
-            search: Search::new(),
+            search: Search::default(),
             audience,
             prepare,
             engine,

@@ -9,6 +9,7 @@ use super::kind::{Found, Shaded};
 use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, Walk, see};
 use super::policy::{LobeWidth, Policy, Treatment};
+use super::reading::Reading;
 use super::settings::Quality;
 use super::split::LightSplit;
 use super::surface::{Grouping, Surface, turned};
@@ -50,18 +51,6 @@ pub struct Shader<'a> {
     pub(super) reading: Reading,
     /// Paths of what records do not hold.
     pub(super) paths: Paths,
-}
-
-/// Which pixels of a picture read records.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reading {
-    /// All.
-    #[default]
-    Every,
-    /// Few, where what they reflect is smooth: it is interpolated between them.
-    Few,
-    /// Fewer, for pictures that are shown for a moment.
-    Rough,
 }
 
 /// How many paths a surface gets whose light is not all in records.
@@ -329,7 +318,7 @@ impl Shader<'_> {
     #[inline(always)]
     pub(super) fn held_on_white(&self, s: &Surface, scratch: &mut Scratches) -> Option<Split> {
         let found = self.has_indirect(s).then(|| self.found(s, &Parts { diffuse: Rgb::ONE, ..s.parts }, scratch))?;
-        found.light.filter(|_| found.traced == 0.0)
+        found.light.filter(|_| found.traced <= self.reading.untraced())
     }
 
     /// Indirect light of a surface of which records say this. `paths` tells how many to trace by the doubt about records, and the sample points of each.
@@ -341,6 +330,7 @@ impl Shader<'_> {
         paths: &impl Fn(f32) -> (u32, S),
         queries: &mut Queries,
     ) -> Indirect {
+        let traced = if traced <= self.reading.untraced() { 0.0 } else { traced };
         let (path, half) = match cached {
             Some(_) if traced == 0.0 => (Split::ZERO, Rgb::ZERO),
             // Nothing reaches here: trace instead.

@@ -6,7 +6,8 @@
 //! cell fills is read pixel by pixel. Textures are not interpolated: of the diffuse part the irradiance is.
 
 use super::kinds::Scratches;
-use super::shade::{Reading, Shader};
+use super::reading::Reading;
+use super::shade::Shader;
 use super::surface::Surface;
 use crate::bsdf::Split;
 use crate::scene::Rgb;
