@@ -5,6 +5,7 @@ mod environment;
 mod sphere;
 mod split;
 mod tree;
+mod wide;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
 use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Opacity, Rgb, Scene, Texture};
@@ -13,7 +14,8 @@ use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 use environment::MapSampler;
 use glam::{Vec2, Vec3A};
-use tree::{LightBounds, LightTree};
+use tree::LightBounds;
+use wide::LightTree;
 
 /// The point that receives light, as sampling of lights sees it.
 #[derive(Clone, Copy, Debug)]
