@@ -10,9 +10,13 @@ mod bins;
 mod build;
 mod fold;
 mod stack;
+#[cfg(test)]
+mod tests;
 mod traverse;
+mod turns;
 
 pub use build::TriangleBvh;
+pub(crate) use stack::Lanes;
 pub use stack::Stack;
 
 /// Children of a node and triangles of a leaf: the lanes of one vector operation.

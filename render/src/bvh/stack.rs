@@ -76,7 +76,7 @@ impl Stack {
 }
 
 /// The lanes of a bit mask, lowest first.
-pub(super) struct Lanes(pub u32);
+pub(crate) struct Lanes(pub u32);
 
 impl Iterator for Lanes {
     type Item = usize;

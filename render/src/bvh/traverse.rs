@@ -1,23 +1,19 @@
 //! Ray queries: eight boxes or eight triangles per step, in the widest instructions the machine has.
 
 use super::stack::{Lanes, Stack};
-use super::{LEAF, Leaf, Node, TriangleBvh, WIDTH};
+use super::{LEAF, Leaf, Node, TriangleBvh, WIDTH, turns};
 use crate::ray::{Hit, Ray};
+use crate::simd::prefetch;
+use core::ops::ControlFlow;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, mask32x8};
 use glam::Vec3A;
 
 impl TriangleBvh {
     /// Nearest intersection between `ray.t_min` and `hit.t` of which `accept(triangle, b1, b2)` approves, written to `hit`.
     #[inline(always)]
-    pub fn intersect(
-        &self,
-        stack: &mut Stack,
-        ray: &Ray,
-        hit: &mut Hit,
-        accept: impl Fn(u32, f32, f32) -> bool,
-    ) -> bool {
-        let Some(root) = self.root else { return false };
-        dispatch!(self.level, simd => nearest(simd, self, root, stack, ray, hit, accept))
+    pub fn intersect(&self, stack: &mut Stack, ray: &Ray, hit: &mut Hit, accept: impl Fn(u32, f32, f32) -> bool) {
+        let Some(root) = self.root else { return };
+        dispatch!(self.level, simd => nearest(simd, self, root, stack, ray, hit, accept));
     }
 
     /// Whether anything of which `accept` approves lies between `ray.t_min` and `ray.t_max`.
@@ -25,6 +21,70 @@ impl TriangleBvh {
     pub fn occluded(&self, stack: &mut Stack, ray: &Ray, accept: impl Fn(u32, f32, f32) -> bool) -> bool {
         let Some(root) = self.root else { return false };
         dispatch!(self.level, simd => any(simd, self, root, stack, ray, accept))
+    }
+}
+
+impl TriangleBvh {
+    /// [`TriangleBvh::intersect`] of the rays whose bit is set, whatever they meet.
+    #[inline(always)]
+    pub fn intersect_all<const N: usize>(&self, stack: &mut Stack, rays: &[Ray; N], which: u32, hits: &mut [Hit; N]) {
+        let Some(root) = self.root else { return };
+        dispatch!(self.level, simd => {
+            if self.is_large() {
+                turns::nearest(simd, self, root, rays, which, hits);
+            } else {
+                for i in Lanes(which) {
+                    nearest(simd, self, root, stack, &rays[i], &mut hits[i], |_, _, _| true);
+                }
+            }
+        });
+    }
+
+    /// [`TriangleBvh::occluded`] of the rays whose bit is set, whatever they meet: the bits of those that are.
+    #[inline(always)]
+    pub fn occluded_all<const N: usize>(&self, stack: &mut Stack, rays: &[Ray; N], which: u32) -> u32 {
+        let Some(root) = self.root else { return 0 };
+        dispatch!(self.level, simd => {
+            if self.is_large() {
+                turns::any(simd, self, root, rays, which)
+            } else {
+                let mut met = 0;
+                for i in Lanes(which) {
+                    met |= u32::from(any(simd, self, root, stack, &rays[i], |_, _, _| true)) << i;
+                }
+                met
+            }
+        })
+    }
+}
+
+/// Bytes from which on a tree is much larger than the caches.
+const LARGE: usize = 1 << 25;
+
+impl TriangleBvh {
+    /// Whether rays wait for the memory more than they compute.
+    #[inline(always)]
+    fn is_large(&self) -> bool {
+        self.bytes() > LARGE
+    }
+
+    /// Begins to fetch what a reference leads to.
+    #[inline(always)]
+    pub(super) fn fetch(&self, child: u32) {
+        if child & LEAF != 0 {
+            let leaf = &self.leaves[(child & !LEAF) as usize];
+            prefetch(&leaf.vertices[0][0]);
+            prefetch(&leaf.vertices[0][2]);
+            prefetch(&leaf.vertices[1][1]);
+            prefetch(&leaf.vertices[2][0]);
+            prefetch(&leaf.vertices[2][2]);
+        } else {
+            let node = &self.nodes[child as usize];
+            prefetch(&node.bounds[0]);
+            prefetch(&node.bounds[2]);
+            prefetch(&node.bounds[4]);
+            prefetch(&node.children);
+        }
     }
 }
 
@@ -133,25 +193,34 @@ impl<S: Simd> TriangleTest<S> {
     }
 }
 
-#[inline(always)]
-fn nearest<S: Simd>(
-    simd: S,
-    bvh: &TriangleBvh,
-    root: u32,
-    stack: &mut Stack,
-    ray: &Ray,
-    hit: &mut Hit,
-    accept: impl Fn(u32, f32, f32) -> bool,
-) -> bool {
-    let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
-    stack.clear();
-    let mut current = root;
-    let mut found = false;
-    loop {
+/// The tests of a ray.
+pub(super) struct Tests<S: Simd> {
+    boxes: BoxTest<S>,
+    triangles: TriangleTest<S>,
+    t_min: f32,
+}
+
+impl<S: Simd> Tests<S> {
+    #[inline(always)]
+    pub fn new(simd: S, ray: &Ray) -> Self {
+        Self { boxes: BoxTest::new(simd, ray), triangles: TriangleTest::new(simd, ray), t_min: ray.t_min }
+    }
+
+    /// Looks at what a reference leads to, and keeps the nearest hit of which `accept` approves; what to look at next.
+    #[inline(always)]
+    pub fn nearest(
+        &self,
+        simd: S,
+        bvh: &TriangleBvh,
+        stack: &mut Stack,
+        current: u32,
+        hit: &mut Hit,
+        accept: &impl Fn(u32, f32, f32) -> bool,
+    ) -> Option<u32> {
         if current & LEAF != 0 {
             // Take the nearest accepted triangle of the leaf.
             let leaf = &bvh.leaves[(current & !LEAF) as usize];
-            let (mask, values) = triangles.test(simd, leaf, ray.t_min, hit.t);
+            let (mask, values) = self.triangles.test(simd, leaf, self.t_min, hit.t);
             let lanes = mask.to_bitmask() as u32;
             if lanes != 0 {
                 let [mut t, mut b1, mut b2] = [[0f32; WIDTH]; 3];
@@ -161,14 +230,13 @@ fn nearest<S: Simd>(
                 for lane in Lanes(lanes) {
                     if t[lane] < hit.t && accept(leaf.ids[lane], b1[lane], b2[lane]) {
                         *hit = Hit { t: t[lane], b1: b1[lane], b2: b2[lane], primitive: leaf.ids[lane], ..*hit };
-                        found = true;
                     }
                 }
             }
         } else {
             // Visit the children from near to far.
             let node = &bvh.nodes[current as usize];
-            let (near, mask) = boxes.test(simd, node, ray.t_min, hit.t);
+            let (near, mask) = self.boxes.test(simd, node, self.t_min, hit.t);
             let mut lanes = mask.to_bitmask() as u32;
             if lanes != 0 {
                 let mut t = [0f32; WIDTH];
@@ -178,26 +246,76 @@ fn nearest<S: Simd>(
                 lanes &= lanes - 1;
                 if lanes != 0 {
                     stack.push(Lanes(lanes).map(|lane| {
+                        bvh.fetch(node.children[lane]);
                         let other = entry(lane);
                         let farther = best.max(other);
                         best = best.min(other);
                         farther
                     }));
                 }
-                current = best as u32;
-                continue;
+                return Some(best as u32);
             }
         }
         loop {
-            let Some(entry) = stack.pop() else { return found };
+            let entry = stack.pop()?;
             if f32::from_bits((entry >> 32) as u32) <= hit.t {
-                current = entry as u32;
-                break;
+                return Some(entry as u32);
             }
         }
     }
+
+    /// Looks at what a reference leads to: what to look at next, or whether the ray meets anything of which `accept` approves
+    /// before `t_max`.
+    #[inline(always)]
+    pub fn any(
+        &self,
+        simd: S,
+        bvh: &TriangleBvh,
+        stack: &mut Stack,
+        current: u32,
+        t_max: f32,
+        accept: &impl Fn(u32, f32, f32) -> bool,
+    ) -> ControlFlow<bool, u32> {
+        if current & LEAF != 0 {
+            let leaf = &bvh.leaves[(current & !LEAF) as usize];
+            let (mask, [_, b1, b2]) = self.triangles.test(simd, leaf, self.t_min, t_max);
+            for lane in Lanes(mask.to_bitmask() as u32) {
+                if accept(leaf.ids[lane], b1.as_slice()[lane], b2.as_slice()[lane]) {
+                    return ControlFlow::Break(true);
+                }
+            }
+        } else {
+            let node = &bvh.nodes[current as usize];
+            let lanes = self.boxes.test(simd, node, self.t_min, t_max).1.to_bitmask() as u32;
+            stack.push_any(Lanes(lanes).map(|lane| {
+                bvh.fetch(node.children[lane]);
+                u64::from(node.children[lane])
+            }));
+        }
+        stack.pop().map_or(ControlFlow::Break(false), |entry| ControlFlow::Continue(entry as u32))
+    }
 }
 
+/// Finds the nearest hit of a ray.
+#[inline(always)]
+fn nearest<S: Simd>(
+    simd: S,
+    bvh: &TriangleBvh,
+    root: u32,
+    stack: &mut Stack,
+    ray: &Ray,
+    hit: &mut Hit,
+    accept: impl Fn(u32, f32, f32) -> bool,
+) {
+    let tests = Tests::new(simd, ray);
+    stack.clear();
+    let mut next = Some(root);
+    while let Some(current) = next {
+        next = tests.nearest(simd, bvh, stack, current, hit, &accept);
+    }
+}
+
+/// Whether a ray hits anything.
 #[inline(always)]
 fn any<S: Simd>(
     simd: S,
@@ -207,122 +325,13 @@ fn any<S: Simd>(
     ray: &Ray,
     accept: impl Fn(u32, f32, f32) -> bool,
 ) -> bool {
-    let (boxes, triangles) = (BoxTest::new(simd, ray), TriangleTest::new(simd, ray));
+    let tests = Tests::new(simd, ray);
     stack.clear();
-    let mut next = Some(u64::from(root));
-    while let Some(entry) = next {
-        let current = entry as u32;
-        if current & LEAF != 0 {
-            let leaf = &bvh.leaves[(current & !LEAF) as usize];
-            let (mask, [_, b1, b2]) = triangles.test(simd, leaf, ray.t_min, ray.t_max);
-            for lane in Lanes(mask.to_bitmask() as u32) {
-                if accept(leaf.ids[lane], b1.as_slice()[lane], b2.as_slice()[lane]) {
-                    return true;
-                }
-            }
-        } else {
-            let node = &bvh.nodes[current as usize];
-            let lanes = boxes.test(simd, node, ray.t_min, ray.t_max).1.to_bitmask() as u32;
-            stack.push_any(Lanes(lanes).map(|lane| u64::from(node.children[lane])));
+    let mut current = root;
+    loop {
+        match tests.any(simd, bvh, stack, current, ray.t_max, &accept) {
+            ControlFlow::Continue(next) => current = next,
+            ControlFlow::Break(met) => return met,
         }
-        next = stack.pop();
-    }
-    false
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::{RngExt, SeedableRng};
-    use rand_xoshiro::Xoshiro256PlusPlus as StdRng;
-
-    /// The plain Möller–Trumbore test of one triangle: the readable twin of the vector code, used by the tests.
-    fn intersect_triangle([a, b, c]: [Vec3A; 3], ray: &Ray) -> Option<f32> {
-        let (e1, e2) = (b - a, c - a);
-        let p = ray.direction.cross(e2);
-        let det = e1.dot(p);
-        let s = ray.origin - a;
-        let q = s.cross(e1);
-        let (u, v, t) = (s.dot(p) / det, ray.direction.dot(q) / det, e2.dot(q) / det);
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > ray.t_min && t < ray.t_max).then_some(t)
-    }
-
-    fn soup(n: usize, rng: &mut StdRng) -> Vec<[Vec3A; 3]> {
-        let mut point = |s: f32| Vec3A::from_array(core::array::from_fn(|_| rng.random_range(-s..s)));
-        (0..n)
-            .map(|_| {
-                let p = point(1.0);
-                [p, p + point(0.2), p + point(0.2)]
-            })
-            .collect()
-    }
-
-    #[test]
-    fn agrees_with_the_plain_test_of_every_triangle() {
-        let mut rng = StdRng::seed_from_u64(1);
-        for n in [0, 1, 2, 7, 8, 9, 65, 1000] {
-            let triangles = soup(n, &mut rng);
-            let bvh = TriangleBvh::new(&triangles);
-            let mut stack = Stack::default();
-            for i in 0..500 {
-                let mut v = || Vec3A::from_array(core::array::from_fn(|_| rng.random_range(-1.5f32..1.5)));
-                let (origin, direction) = (v(), if i % 5 == 0 { Vec3A::X } else { v().normalize() });
-                let ray = Ray::new(origin, direction);
-                let expected =
-                    triangles.iter().filter_map(|t| intersect_triangle(*t, &ray)).fold(f32::INFINITY, f32::min);
-                let mut hit = Hit { t: ray.t_max, ..Hit::NONE };
-                assert_eq!(
-                    bvh.intersect(&mut stack, &ray, &mut hit, |_, _, _| true),
-                    expected.is_finite(),
-                    "{n} triangles, ray {i}"
-                );
-                assert!(hit.t == expected || (hit.t - expected).abs() < 1e-5 * expected, "{} {expected}", hit.t);
-                assert_eq!(bvh.occluded(&mut stack, &ray, |_, _, _| true), expected.is_finite());
-                if hit.exists() {
-                    let [a, b, c] = triangles[hit.primitive as usize];
-                    let p = a * (1.0 - hit.b1 - hit.b2) + b * hit.b1 + c * hit.b2;
-                    assert!((p - origin - direction * hit.t).length() < 1e-4);
-                    assert!(!bvh.occluded(&mut stack, &Ray { t_max: hit.t * 0.999, ..ray }, |_, _, _| true));
-                }
-            }
-        }
-    }
-
-    /// A closed, irregular surface seen from inside: every ray must hit it, also towards vertices and along edges.
-    #[test]
-    fn no_ray_leaves_a_closed_mesh() {
-        let n = 40;
-        let point = |i: usize, j: usize| {
-            let (s, c) = (core::f32::consts::TAU * (i % n) as f32 / n as f32).sin_cos();
-            let (st, ct) = (core::f32::consts::PI * j as f32 / n as f32).sin_cos();
-            let r = 1.0 + 0.3 * ((7 * (i % n) + 3 * j) as f32).sin();
-            if j == 0 || j == n { Vec3A::new(0.0, 0.0, ct.signum()) } else { Vec3A::new(st * c, st * s, ct) * r }
-        };
-        let mut triangles = Vec::new();
-        for i in 0..n {
-            for j in 0..n {
-                let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
-                triangles.extend([[a, b, c], [a, c, d]]);
-            }
-        }
-        let bvh = TriangleBvh::new(&triangles);
-        let mut stack = Stack::default();
-        let origin = Vec3A::new(0.05, -0.02, 0.03);
-        let targets =
-            triangles.iter().flat_map(|[a, b, c]| [*a, (*a + *b) * 0.5, b.lerp(*c, 0.3), (*a + *b + *c) / 3.0]);
-        for target in targets {
-            assert!(bvh.occluded(&mut stack, &Ray::new(origin, target - origin), |_, _, _| true), "towards {target}");
-        }
-    }
-
-    #[test]
-    fn degenerate_input_ends() {
-        let mut stack = Stack::default();
-        let triangles = vec![[Vec3A::ONE; 3]; 5000];
-        let bvh = TriangleBvh::new(&triangles);
-        assert!(!bvh.occluded(&mut stack, &Ray::new(Vec3A::ZERO, Vec3A::ONE), |_, _, _| true));
-        let stacked = vec![[Vec3A::ZERO, Vec3A::X, Vec3A::Y]; 5000];
-        let bvh = TriangleBvh::new(&stacked);
-        assert!(bvh.occluded(&mut stack, &Ray::new(Vec3A::new(0.2, 0.2, 1.0), Vec3A::NEG_Z), |_, _, _| true));
     }
 }

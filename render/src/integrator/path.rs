@@ -77,45 +77,63 @@ impl Path {
 impl PathTracer {
     /// Follows a ray to what it met, and adds what shines there; the surface, where the path may go on.
     #[inline(always)]
-    pub(super) fn arrive<'w>(
-        &self,
-        world: &'w World,
-        path: &mut Path,
-        ray: &Ray,
-        hit: &Hit,
-    ) -> Option<(Interaction, Bsdf<'w>)> {
-        path.segments += 1;
-        let first = path.segments == 1;
-        let counts = !(first && self.settings.hide_emitters) && (path.segments > 2 || !self.indirect_only);
+    fn arrive<'w>(&self, world: &'w World, path: &mut Path, ray: &Ray, hit: &Hit) -> Option<(Interaction, Bsdf<'w>)> {
         if !hit.exists() {
-            if counts && !(first && self.settings.hide_environment) {
-                let (light, weight) = environment(&world.lights, ray.direction, path.left.as_ref());
-                let light = light * path.throughput * weight;
-                path.add(path.segments, light);
-                if path.straight && !first {
-                    guides::show_light(&mut path.out, light);
-                }
-            }
+            self.escape(world, path, ray);
             return None;
         }
         let at = world.interaction(ray, hit);
-        let bsdf = world.bsdf(&at);
-        if first {
-            path.out.distance = hit.t;
+        self.meet(world, path, hit.t, &at).map(|bsdf| (at, bsdf))
+    }
+
+    /// Whether what the next segment ends at counts, if it shines.
+    #[inline(always)]
+    fn counts(&self, segment: u32) -> bool {
+        !(segment == 1 && self.settings.hide_emitters) && (segment > 2 || !self.indirect_only)
+    }
+
+    /// Ends a path whose ray meets nothing, and adds what shines at infinity.
+    #[inline(always)]
+    pub(super) fn escape(&self, world: &World, path: &mut Path, ray: &Ray) {
+        path.segments += 1;
+        let first = path.segments == 1;
+        if self.counts(path.segments) && !(first && self.settings.hide_environment) {
+            let (light, weight) = environment(&world.lights, ray.direction, path.left.as_ref());
+            let light = light * path.throughput * weight;
+            path.add(path.segments, light);
+            if path.straight && !first {
+                guides::show_light(&mut path.out, light);
+            }
+        }
+    }
+
+    /// Adds what shines where a ray ends, at a distance along it; how the surface scatters, where the path may go on.
+    #[inline(always)]
+    pub(super) fn meet<'w>(
+        &self,
+        world: &'w World,
+        path: &mut Path,
+        distance: f32,
+        at: &Interaction,
+    ) -> Option<Bsdf<'w>> {
+        path.segments += 1;
+        let bsdf = world.bsdf(at);
+        if path.segments == 1 {
+            path.out.distance = distance;
         }
         if path.straight {
-            guides::show(&mut path.out, &at, &bsdf, path.throughput);
+            guides::show(&mut path.out, at, &bsdf, path.throughput);
             path.straight = bsdf.is_delta();
         }
-        if at.emitter.is_some() && counts {
-            let (light, weight) = emission(world, &world.lights, &at, path.left.as_ref());
+        if at.emitter.is_some() && self.counts(path.segments) {
+            let (light, weight) = emission(world, &world.lights, at, path.left.as_ref());
             path.add(path.segments, light * path.throughput * weight * path.media.left(at.distance));
         }
         if path.segments == self.settings.max_depth {
             return None;
         }
-        path.throughput *= path.media.left_before(world, &at, &bsdf);
-        Some((at, bsdf))
+        path.throughput *= path.media.left_before(world, at, &bsdf);
+        Some(bsdf)
     }
 
     /// Whether light that the surface at the end of a path reflects is asked for.

@@ -2,6 +2,7 @@
 
 use crate::math::{atan2, sin_cos_turn};
 use crate::scene::{EnvironmentMap, Rgb, Rows};
+use crate::simd::prefetch;
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3A};
 use rayon::prelude::*;
@@ -66,6 +67,23 @@ struct Cdfs {
 /// Values of a block: a line of the cache.
 const BLOCK: usize = 16;
 
+/// How many values are u at most. Counting has no branch whose outcome no processor could foresee.
+#[inline(always)]
+fn at_most(values: &[f32], u: f32) -> usize {
+    values.iter().map(|&c| u32::from(c <= u)).sum::<u32>() as usize
+}
+
+/// Where a sample of a map lies, as far as that is known without a look at more than the beginnings of blocks.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    row: usize,
+    /// Position inside of the row.
+    down: f32,
+    block: usize,
+    /// Which part of the row.
+    across: f32,
+}
+
 impl Cdfs {
     /// Rows of `n` weights each; also returns the sum of each row. A row without weight is even.
     fn new(n: usize, rows: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> (Self, Vec<f64>) {
@@ -91,11 +109,20 @@ impl Cdfs {
     /// Interval of a row that holds u, and the position of u inside it.
     #[inline(always)]
     fn sample(&self, row: usize, u: f32) -> (usize, f32) {
-        // Counting has no branch whose outcome no processor could foresee.
-        let at_most = |values: &[f32]| values.iter().map(|&c| u32::from(c <= u)).sum::<u32>() as usize;
-        let block = at_most(&self.first[row * self.blocks..][..self.blocks]).max(1) - 1;
+        self.sample_in(row, self.block(row, u), u)
+    }
+
+    /// Block of a row that holds u.
+    #[inline(always)]
+    fn block(&self, row: usize, u: f32) -> usize {
+        at_most(&self.first[row * self.blocks..][..self.blocks], u).max(1) - 1
+    }
+
+    /// [`Cdfs::sample`], given the block.
+    #[inline(always)]
+    fn sample_in(&self, row: usize, block: usize, u: f32) -> (usize, f32) {
         let cumulated = &self.cumulated[row * self.blocks * BLOCK..][..self.blocks * BLOCK];
-        let i = (block * BLOCK + at_most(&cumulated[block * BLOCK..][..BLOCK]).max(1) - 1).min(self.n - 1);
+        let i = (block * BLOCK + at_most(&cumulated[block * BLOCK..][..BLOCK], u).max(1) - 1).min(self.n - 1);
         let width = cumulated[i + 1] - cumulated[i];
         (i, if width > 0.0 { ((u - cumulated[i]) / width).clamp(0.0, 1.0 - f32::EPSILON) } else { 0.5 })
     }
@@ -147,11 +174,20 @@ impl MapSampler {
         Self { rows, columns, size: [w, n] }
     }
 
+    /// Where the sample of two numbers of the unit interval lies; begins to fetch what [`MapSampler::sample`] reads.
+    #[inline(always)]
+    pub fn place(&self, u: Vec2) -> Place {
+        let (row, down) = self.rows.sample(0, u.y);
+        let block = self.columns.block(row, u.x);
+        prefetch(&self.columns.cumulated[(row * self.columns.blocks + block) * BLOCK]);
+        Place { row, down, block, across: u.x }
+    }
+
     /// A direction of the world, its density in sr⁻¹, and the radiance from there.
     #[inline(always)]
-    pub fn sample(&self, map: &EnvironmentMap, u: Vec2) -> (Vec3A, f32, Rgb) {
-        let (y, fy) = self.rows.sample(0, u.y);
-        let (x, fx) = self.columns.sample(y, u.x);
+    pub fn sample(&self, map: &EnvironmentMap, place: &Place) -> (Vec3A, f32, Rgb) {
+        let (y, fy) = (place.row, place.down);
+        let (x, fx) = self.columns.sample_in(y, place.block, place.across);
         let [w, h] = self.size;
         let uv = Vec2::new((x as f32 + fx) / w as f32, (y as f32 + fy) / h as f32);
         let (sin_phi, cos_phi) = sin_cos_turn(uv.x);
@@ -215,7 +251,7 @@ mod tests {
         let (mut disagree, sphere) = (0, 4.0 * core::f64::consts::PI);
         for i in 0..n {
             let u = crate::sampler::Sampler::new(0, (0, 0), i).next_2d();
-            let (d, pdf, radiance) = sampler.sample(&map, u);
+            let (d, pdf, radiance) = sampler.sample(&map, &sampler.place(u));
             let (found, found_pdf) = sampler.look_up(&map, d);
             disagree += u32::from((pdf - found_pdf).abs() > 1e-3 * pdf);
             disagree += u32::from((radiance - found).length() > 1e-2 * found.length());

@@ -5,15 +5,17 @@ mod environment;
 mod sphere;
 mod split;
 mod tree;
+mod wide;
 
 use crate::frame::{cosine_hemisphere, uniform_sphere};
 use crate::scene::{self, Coordinates, Environment, Falloff, Geometry, Opacity, Rgb, Scene, Texture};
 pub(crate) use area::FlatLamp;
 use area::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
-use environment::MapSampler;
+use environment::{MapSampler, Place};
 use glam::{Vec2, Vec3A};
-use tree::{LightBounds, LightTree};
+use tree::LightBounds;
+use wide::LightTree;
 
 /// The point that receives light, as sampling of lights sees it.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +85,14 @@ pub(crate) struct Choice {
     pub local: bool,
     /// Probability of the choice.
     pub probability: f32,
+}
+
+/// Where on a chosen light, as far as that is known before the memory answers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Begun {
+    u: Vec2,
+    /// Of a map of the environment.
+    place: Place,
 }
 
 /// A light with a place.
@@ -179,7 +189,7 @@ impl Lights {
         u: Vec2,
     ) -> Option<LightSample> {
         let choice = self.choose(receiver, u_choice)?;
-        self.sample_chosen(textures, receiver, choice, u)
+        self.sample_chosen(textures, receiver, choice, &self.begin(&choice, u))
     }
 
     /// Chooses the light for [`Lights::sample`].
@@ -201,6 +211,19 @@ impl Lights {
         Some(Choice { index: index as usize, local: true, probability: tree_probability * probability })
     }
 
+    /// Begins to sample a direction to the light that was chosen: whoever has many to sample begins them all, and waits for the memory
+    /// once.
+    #[inline(always)]
+    pub(crate) fn begin(&self, choice: &Choice, u: Vec2) -> Begun {
+        let place = match &self.environment {
+            Some((Environment::Map(_), Some(map))) if !choice.local && choice.index >= self.directional.len() => {
+                map.place(u)
+            }
+            _ => Place::default(),
+        };
+        Begun { u, place }
+    }
+
     /// Samples a direction to the light that was chosen.
     #[inline(always)]
     pub(crate) fn sample_chosen(
@@ -208,12 +231,12 @@ impl Lights {
         textures: &[Texture],
         receiver: &LightSampleContext,
         Choice { index, local, probability }: Choice,
-        u: Vec2,
+        begun: &Begun,
     ) -> Option<LightSample> {
         if local {
-            self.sample_local(textures, receiver, index, probability, u)
+            self.sample_local(textures, receiver, index, probability, begun.u)
         } else {
-            Some(self.sample_infinite(receiver, index, probability, u)).filter(|s| s.pdf > 0.0)
+            Some(self.sample_infinite(receiver, index, probability, begun)).filter(|s| s.pdf > 0.0)
         }
     }
 
@@ -238,7 +261,10 @@ impl Lights {
     ) -> Option<LightSample> {
         match index.checked_sub(self.local.len()) {
             None => self.sample_local(textures, receiver, index, probability, u),
-            Some(infinite) => Some(self.sample_infinite(receiver, infinite, probability, u)).filter(|s| s.pdf > 0.0),
+            Some(infinite) => {
+                let choice = Choice { index: infinite, local: false, probability };
+                self.sample_chosen(textures, receiver, choice, &self.begin(&choice, u))
+            }
         }
     }
 
@@ -273,7 +299,13 @@ impl Lights {
     }
 
     #[inline(always)]
-    fn sample_infinite(&self, receiver: &LightSampleContext, index: usize, probability: f32, u: Vec2) -> LightSample {
+    fn sample_infinite(
+        &self,
+        receiver: &LightSampleContext,
+        index: usize,
+        probability: f32,
+        &Begun { u, place }: &Begun,
+    ) -> LightSample {
         if let Some(&(direction, irradiance)) = self.directional.get(index) {
             let wi = -direction;
             return LightSample {
@@ -285,7 +317,7 @@ impl Lights {
             };
         }
         let (wi, pdf, radiance) = match &self.environment {
-            Some((Environment::Map(map), Some(sampler))) => sampler.sample(map, u),
+            Some((Environment::Map(map), Some(sampler))) => sampler.sample(map, &place),
             Some((Environment::Constant(radiance), _)) if receiver.one_sided => {
                 let local = cosine_hemisphere(u);
                 (crate::frame::Frame::from_normal(receiver.normal).to_world(local), local.z * FRAC_1_PI, *radiance)

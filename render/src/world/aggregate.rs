@@ -2,9 +2,9 @@
 
 use crate::bvh::{Stack, TriangleBvh};
 use crate::ray::{Hit, Ray};
-use crate::scene::{Coordinates, Geometry, Opacity, Scene, Shape, Sphere};
+use crate::scene::{Coordinates, Geometry, Mesh, Opacity, Scene, Shape, Sphere};
 use core::cell::Cell;
-use glam::{Affine3A, Vec2, Vec3A, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::{Boundable, BvhBuildParams};
@@ -14,23 +14,49 @@ use std::time::Duration;
 /// Triangles that are worth handing to another thread.
 const BATCH: usize = 1 << 12;
 
-/// A triangle of a shape.
+/// A triangle of a shape, and all of it that most surfaces need, side by side: two lines of the cache in place of those of the
+/// index, the indices, and three vertices in as many lists.
+#[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleRef {
-    pub shape: u32,
-    pub index: u32,
+    /// Positions, and the first coordinate of the texture.
+    pub positions: [Vec4; 3],
+    /// Normals, zero where there are none, and the second coordinate of the texture.
+    pub normals: [Vec4; 3],
     /// Unit normal of the front; any without area.
     pub normal: [f32; 3],
     /// Largest coordinate.
     pub extent: f32,
+    pub shape: u32,
+    pub index: u32,
+    /// Whether the vertices have normals.
+    pub is_smooth: bool,
+    /// Whether the vertices have more: a second set of coordinates, or colours.
+    pub has_more: bool,
 }
 
 impl TriangleRef {
-    fn new(shape: u32, index: u32, [p0, p1, p2]: [Vec3A; 3]) -> Self {
-        let normal = (p1 - p0).cross(p2 - p0).normalize_or(Vec3A::Z).to_array();
-        Self { shape, index, normal, extent: p0.abs().max(p1.abs()).max(p2.abs()).max_element() }
+    fn new(shape: u32, index: u32, mesh: &Mesh) -> Self {
+        let corners = mesh.corners(index);
+        let [p0, p1, p2] = corners.map(|i| Vec3A::from(mesh.positions[i]));
+        let uvs = if mesh.uvs.is_empty() { BARYCENTRIC } else { corners.map(|i| mesh.uvs[i]) };
+        let is_smooth = !mesh.normals.is_empty();
+        let normal = |k: usize| if is_smooth { mesh.normals[corners[k]] } else { Vec3::ZERO };
+        Self {
+            positions: [p0.extend(uvs[0].x), p1.extend(uvs[1].x), p2.extend(uvs[2].x)],
+            normals: [0, 1, 2].map(|k| normal(k).extend(uvs[k].y)),
+            normal: (p1 - p0).cross(p2 - p0).normalize_or(Vec3A::Z).to_array(),
+            extent: p0.abs().max(p1.abs()).max(p2.abs()).max_element(),
+            shape,
+            index,
+            is_smooth,
+            has_more: !(mesh.second_uvs.is_empty() && mesh.colors.is_empty()),
+        }
     }
 }
+
+/// Texture coordinates of the vertices of a triangle without any.
+const BARYCENTRIC: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
 
 /// What the second tree holds.
 #[derive(Clone, Copy, Debug)]
@@ -86,8 +112,7 @@ impl Aggregate {
                     let corners = |t: &[u32; 3]| t.map(|i| Vec3A::from(m.positions[i as usize]));
                     let list = m.triangles.par_iter().with_min_len(BATCH);
                     vertices.par_extend(list.clone().map(corners));
-                    let reference = |(index, t)| TriangleRef::new(shape, index as u32, corners(t));
-                    triangles.par_extend(list.enumerate().map(reference));
+                    triangles.par_extend(list.enumerate().map(|(index, _)| TriangleRef::new(shape, index as u32, m)));
                 }
                 Geometry::Sphere(sphere) => {
                     objects.push(Object::Sphere { shape, sphere: *sphere });
@@ -121,6 +146,12 @@ impl Aggregate {
     /// Whether a surface has holes.
     pub fn is_masked(&self) -> bool {
         !self.masks.is_empty()
+    }
+
+    /// The tree that holds all there is, if nothing has holes.
+    #[inline]
+    pub fn triangles_alone(&self) -> Option<&TriangleBvh> {
+        (self.masks.is_empty() && self.object_bvh.is_none()).then_some(&self.bvh)
     }
 
     /// Nearest intersection before `hit.t` with a surface that is not wholly absent there.
@@ -210,11 +241,17 @@ fn may_stop(opacity: f32, partly: &Cell<bool>) -> bool {
     opacity > 0.0
 }
 
-impl crate::scene::Mesh {
+impl Mesh {
+    /// Indices of the vertices of a triangle.
+    #[inline]
+    pub(super) fn corners(&self, triangle: u32) -> [usize; 3] {
+        self.triangles[triangle as usize].map(|i| i as usize)
+    }
+
     /// Texture coordinates and colour of a point of a triangle; barycentrics where the mesh has no coordinates.
     #[inline]
     pub(super) fn coordinates(&self, triangle: u32, b1: f32, b2: f32) -> Coordinates {
-        let corners = self.triangles[triangle as usize].map(|i| i as usize);
+        let corners = self.corners(triangle);
         let uv = |uvs: &[Vec2]| {
             let [t0, t1, t2] = corners.map(|i| uvs[i]);
             t0 * (1.0 - b1 - b2) + t1 * b1 + t2 * b2

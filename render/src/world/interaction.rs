@@ -5,7 +5,7 @@ use super::aggregate::{Object, TriangleRef, transform};
 use crate::ray::{Hit, NO_INSTANCE, Ray};
 use crate::scene::{Coordinates, Geometry, MaterialId, Mesh, Shape, Sphere};
 use core::f32::consts::{PI, TAU};
-use glam::{Affine3A, Vec2, Vec3A};
+use glam::{Affine3A, Vec2, Vec3A, Vec4};
 
 /// Relative size of the step a ray starts away from its surface, in the largest coordinate of the triangle: a few
 /// rounding errors of the intersection, so that no ray meets the surface it leaves.
@@ -39,6 +39,21 @@ pub struct Interaction {
 }
 
 impl Interaction {
+    /// No surface.
+    pub(crate) const NOWHERE: Self = Self {
+        p: Vec3A::ZERO,
+        normal: Vec3A::Z,
+        shading_normal: Vec3A::Z,
+        dpdu: Vec3A::ZERO,
+        dpdv: Vec3A::ZERO,
+        coordinates: Coordinates { uv: [Vec2::ZERO; 2], paint: Vec4::ONE },
+        wo: Vec3A::Z,
+        distance: 0.0,
+        material: MaterialId(0),
+        emitter: None,
+        offset: 0.0,
+    };
+
     /// Where a ray that leaves towards `direction` starts.
     #[inline]
     pub fn origin_towards(&self, direction: Vec3A) -> Vec3A {
@@ -117,29 +132,35 @@ impl World {
         hit: &Hit,
         emitter: Option<u32>,
     ) -> Interaction {
-        let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!("triangles belong to meshes") };
-        let corners = mesh.triangles[triangle.index as usize].map(|i| i as usize);
-        let [p0, p1, p2] = corners.map(|i| Vec3A::from(mesh.positions[i]));
+        let [p0, p1, p2] = triangle.positions;
+        let [n0, n1, n2] = triangle.normals;
         let b0 = 1.0 - hit.b1 - hit.b2;
+        let (place, bent) = (p0 * b0 + p1 * hit.b1 + p2 * hit.b2, n0 * b0 + n1 * hit.b1 + n2 * hit.b2);
         let normal = Vec3A::from(triangle.normal);
-        let shading_normal = if mesh.normals.is_empty() {
-            normal
-        } else {
-            let [n0, n1, n2] = corners.map(|i| Vec3A::from(mesh.normals[i]));
-            (n0 * b0 + n1 * hit.b1 + n2 * hit.b2).try_normalize().unwrap_or(normal)
+        let shading_normal =
+            if triangle.is_smooth { Vec3A::from_vec4(bent).try_normalize().unwrap_or(normal) } else { normal };
+        let mesh = || match &shape.geometry {
+            Geometry::Mesh(mesh) => mesh,
+            Geometry::Sphere(_) => unreachable!("triangles belong to meshes"),
         };
         let [dpdu, dpdv] = if self.needs_tangents[shape.material.0 as usize] {
-            tangents(mesh, corners, p1 - p0, p2 - p0)
+            let [e1, e2] = [p1, p2].map(|p| Vec3A::from_vec4(p) - Vec3A::from_vec4(p0));
+            tangents(mesh(), triangle.index, e1, e2)
         } else {
             [Vec3A::ZERO; 2]
         };
+        let coordinates = if triangle.has_more {
+            mesh().coordinates(triangle.index, hit.b1, hit.b2)
+        } else {
+            Vec2::new(place.w, bent.w).into()
+        };
         Interaction {
-            p: p0 * b0 + p1 * hit.b1 + p2 * hit.b2,
+            p: Vec3A::from_vec4(place),
             normal,
             shading_normal,
             dpdu,
             dpdv,
-            coordinates: mesh.coordinates(triangle.index, hit.b1, hit.b2),
+            coordinates,
             wo: -ray.direction,
             distance: hit.t,
             material: shape.material,
@@ -150,11 +171,11 @@ impl World {
 }
 
 /// Derivatives of the position by the texture coordinates of a triangle.
-fn tangents(mesh: &Mesh, corners: [usize; 3], e1: Vec3A, e2: Vec3A) -> [Vec3A; 2] {
+fn tangents(mesh: &Mesh, triangle: u32, e1: Vec3A, e2: Vec3A) -> [Vec3A; 2] {
     if mesh.uvs.is_empty() {
         return [e1, e2];
     }
-    let [t0, t1, t2] = corners.map(|i| mesh.uvs[i]);
+    let [t0, t1, t2] = mesh.corners(triangle).map(|i| mesh.uvs[i]);
     let (d1, d2) = (t1 - t0, t2 - t0);
     let det = d1.perp_dot(d2);
     if det == 0.0 {

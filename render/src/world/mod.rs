@@ -9,7 +9,7 @@ mod sphere;
 use crate::bsdf::{CoatTable, FacetTable, GlassTable};
 use crate::light::{FirstEmitter, Lights};
 use crate::ray::{Hit, Ray};
-use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError};
+use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError, Texture, TextureId};
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
@@ -32,6 +32,8 @@ pub struct World {
     first_emitter: Vec<Option<FirstEmitter>>,
     /// Whether a material asks for ∂p/∂u.
     needs_tangents: Vec<bool>,
+    /// A large image that a material looks up, if any.
+    images: Vec<Option<TextureId>>,
     /// Tables of the rough plastics, by material.
     coats: Vec<Option<Box<CoatTable>>>,
     /// Tables of the glasses that are rough somewhere, by material.
@@ -59,13 +61,26 @@ impl World {
         let masked = aggregate.is_masked() || groups.iter().any(Aggregate::is_masked);
         let (lights, first_emitter) = Lights::new(&scene);
         let needs_tangents = (0..scene.materials.len()).map(|i| needs_tangents(&scene, i)).collect();
+        let images = (0..scene.materials.len()).map(|i| large_image(&scene, i)).collect();
         let coat = |m: &Material| {
             let Material::RoughPlastic { distribution, alpha, eta, .. } = m else { return None };
             Some(Box::new(CoatTable::new(*distribution, *alpha, *eta)))
         };
         let coats = scene.materials.iter().map(coat).collect();
         let (glasses, facets) = (glasses(&scene), facets(&scene));
-        Ok(Self { scene, lights, aggregate, groups, masked, first_emitter, needs_tangents, coats, glasses, facets })
+        Ok(Self {
+            scene,
+            lights,
+            aggregate,
+            groups,
+            masked,
+            first_emitter,
+            needs_tangents,
+            images,
+            coats,
+            glasses,
+            facets,
+        })
     }
 
     /// Smallest and largest corner of all surfaces; min > max without any.
@@ -93,6 +108,17 @@ impl World {
     #[inline]
     pub(crate) fn needs_tangents(&self, id: MaterialId) -> bool {
         self.needs_tangents[id.0 as usize]
+    }
+
+    /// Begins to fetch what [`World::bsdf`] will look up at a surface: whoever has many surfaces begins with all of them, and waits
+    /// for the memory once.
+    #[inline(always)]
+    pub(crate) fn fetch_texels(&self, at: &Interaction) {
+        if let Some(id) = self.images[at.material.0 as usize]
+            && let Texture::Bitmap(image) = &self.scene.textures[id.0 as usize]
+        {
+            image.touch(at.coordinates.uv[usize::from(image.second_uv)]);
+        }
     }
 
     #[inline]
@@ -141,6 +167,18 @@ fn facets(scene: &Scene) -> Vec<Option<Arc<FacetTable>>> {
         Some(Arc::clone(known.entry(eta.to_bits()).or_insert_with(|| Arc::new(FacetTable::new(eta)))))
     };
     scene.materials.iter().map(&mut table).collect()
+}
+
+/// Texels from which on an image may not stay in the cache.
+const LARGE: usize = 1 << 16;
+
+/// The first large image that material `i` or what it is made of looks up.
+fn large_image(scene: &Scene, i: usize) -> Option<TextureId> {
+    let material = &scene.materials[i];
+    let is_large =
+        |id: &TextureId| matches!(&scene.textures[id.0 as usize], Texture::Bitmap(b) if b.texels.len() >= LARGE);
+    let own = material.textures().into_iter().find(is_large);
+    own.or_else(|| material.children().find_map(|c| large_image(scene, c.0 as usize)))
 }
 
 /// Whether evaluating material `i` needs the direction of u: anisotropy, or a normal from a texture.

@@ -1,7 +1,7 @@
 //! Ray queries with memory that is reused from ray to ray.
 
 use super::World;
-use crate::bvh::Stack;
+use crate::bvh::{Lanes, Stack};
 use crate::ray::{Hit, Ray};
 use crate::sampler::Scrambles;
 use core::cell::Cell;
@@ -61,6 +61,36 @@ impl Queries {
         let partly = Cell::new(false);
         let met = world.aggregate.occluded(world.context(), &mut self.stack, ray, &partly);
         met && (!partly.get() || self.is_stopped(world, ray))
+    }
+
+    /// [`World::intersect`] of the rays whose bit is set.
+    #[inline(always)]
+    pub(crate) fn intersect_all<const N: usize>(&mut self, world: &World, rays: &[Ray; N], which: u32) -> [Hit; N] {
+        match world.aggregate.triangles_alone() {
+            Some(bvh) => {
+                let mut hits = rays.each_ref().map(|ray| Hit { t: ray.t_max, ..Hit::NONE });
+                self.counts.rays += u64::from(which.count_ones());
+                bvh.intersect_all(&mut self.stack, rays, which, &mut hits);
+                hits
+            }
+            None => {
+                let mut hits = [Hit::NONE; N];
+                Lanes(which).for_each(|i| hits[i] = self.intersect(world, &rays[i]));
+                hits
+            }
+        }
+    }
+
+    /// [`World::occluded`] of the rays whose bit is set: the bits of those that are.
+    #[inline(always)]
+    pub(crate) fn occluded_all<const N: usize>(&mut self, world: &World, rays: &[Ray; N], which: u32) -> u32 {
+        match world.aggregate.triangles_alone() {
+            Some(bvh) => {
+                self.counts.rays += u64::from(which.count_ones());
+                bvh.occluded_all(&mut self.stack, rays, which)
+            }
+            None => Lanes(which).fold(0, |bits, i| bits | u32::from(self.occluded(world, &rays[i])) << i),
+        }
     }
 
     /// Whether a ray that meets surfaces with holes is stopped by any of them.

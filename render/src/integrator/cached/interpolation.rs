@@ -1,6 +1,6 @@
 //! Who sums the records of a pixel.
 
-use super::shade::Reading;
+use super::reading::Reading;
 
 /// Who sums the records of a pixel. The pictures are the same to the last bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -15,10 +15,11 @@ mod tests;
 use super::path::{Path, PathTracer};
 use super::{Radiance, Start, direct};
 use crate::bsdf::Sample;
-use crate::light::LightSampleContext;
-use crate::ray::{Hit, Ray};
+use crate::bvh::Lanes;
+use crate::light::{Begun, LightSampleContext};
+use crate::ray::Ray;
 use crate::sampler::Samplers;
-use crate::world::{Queries, World};
+use crate::world::{Interaction, Queries, World};
 use columns::{Light, Scattered, Surfaces, get, split};
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3A};
@@ -27,25 +28,37 @@ use lanes::LANES;
 /// A path of a block.
 struct Lane {
     path: Path,
-    ray: Ray,
     /// Index of its start; `None` where the lane is idle.
     index: Option<usize>,
     receiver: LightSampleContext,
 }
 
+/// A ray that is not followed.
+const NO_RAY: Ray = Ray { origin: Vec3A::ZERO, direction: Vec3A::Z, t_min: 0.0, t_max: 0.0 };
+
 impl Lane {
     const IDLE: Self = Self {
         path: Path::START,
-        ray: Ray { origin: Vec3A::ZERO, direction: Vec3A::Z, t_min: 0.0, t_max: 0.0 },
         index: None,
         receiver: LightSampleContext { p: Vec3A::ZERO, normal: Vec3A::Z, one_sided: true },
     };
+
+    /// Writes what the path found, and makes room for another.
+    #[inline(always)]
+    fn end(&mut self, out: &mut [Radiance]) {
+        if let Some(index) = self.index.take() {
+            out[index] = self.path.out;
+        }
+    }
 }
 
 /// Sixteen paths.
 struct Block<'w> {
     lanes: [Lane; LANES],
+    rays: [Ray; LANES],
     samplers: Samplers,
+    /// Where the rays end.
+    met: [Interaction; LANES],
     surfaces: Surfaces<'w>,
     light: Light,
     scattered: Scattered,
@@ -80,7 +93,9 @@ fn radiances_by(
     }
     let mut block = Block {
         lanes: [const { Lane::IDLE }; LANES],
+        rays: [NO_RAY; LANES],
         samplers: Samplers::default(),
+        met: [Interaction::NOWHERE; LANES],
         surfaces: Surfaces::default(),
         light: Light::default(),
         scattered: Scattered::default(),
@@ -88,77 +103,72 @@ fn radiances_by(
     let mut waiting = starts.iter().enumerate();
     loop {
         // Idle lanes take the next paths.
+        let mut active = 0;
         for (i, lane) in block.lanes.iter_mut().enumerate() {
             if lane.index.is_none()
                 && let Some((index, start)) = waiting.next()
             {
-                *lane = Lane { ray: start.ray, index: Some(index), ..Lane::IDLE };
+                *lane = Lane { index: Some(index), ..Lane::IDLE };
+                block.rays[i] = start.ray;
                 block.samplers.set(i, &start.sampler);
             }
+            active |= u32::from(lane.index.is_some()) << i;
         }
-        if block.lanes.iter().all(|lane| lane.index.is_none()) {
+        if active == 0 {
             return;
         }
-        step(tracer, world, level, &mut block, queries, out);
+        step(tracer, world, level, &mut block, active, queries, out);
     }
 }
 
-/// One more segment of every path; those that end write what they found to `out`.
+/// One more segment of every path; those that end write what they found to `out`. Each kind of work is done for all paths before the
+/// next: what one of them waits for in memory, the others wait for at the same time.
 #[inline(always)]
 fn step<'w>(
     tracer: &PathTracer,
     world: &'w World,
     level: Level,
     block: &mut Block<'w>,
+    active: u32,
     queries: &mut Queries,
     out: &mut [Radiance],
 ) {
-    let Block { lanes, samplers, surfaces, light, scattered } = block;
-    let hits = lanes.each_ref().map(|lane| match lane.index {
-        Some(_) => queries.intersect(world, &lane.ray),
-        None => Hit::NONE,
-    });
+    let Block { lanes, rays, samplers, met, surfaces, light, scattered } = block;
+    let hits = queries.intersect_all(world, rays, active);
     let points = dispatch!(level, simd => samplers.next_4x2d(simd));
     let point = |pair: usize, i: usize| Vec2::new(points[pair][i], points[4 + pair][i]);
 
+    let arrived = hits.iter().enumerate().fold(0, |bits, (i, hit)| bits | u32::from(hit.exists()) << i) & active;
+    for i in Lanes(arrived) {
+        met[i] = world.interaction(&rays[i], &hits[i]);
+        world.fetch_texels(&met[i]);
+    }
+    for i in Lanes(active & !arrived) {
+        tracer.escape(world, &mut lanes[i].path, &rays[i]);
+        lanes[i].end(out);
+    }
     // What the lanes know waits in columns, by bit in `wide`; the rest goes on at once.
     let mut wide = 0u32;
     surfaces.clear();
     light.clear();
-    for (i, (lane, hit)) in lanes.iter_mut().zip(&hits).enumerate() {
-        let Some(index) = lane.index else { continue };
+    for i in Lanes(arrived) {
+        let (lane, at) = (&mut lanes[i], &met[i]);
         let path = &mut lane.path;
-        let Some((at, bsdf)) = tracer.arrive(world, path, &lane.ray, hit) else {
-            out[index] = path.out;
-            lane.index = None;
+        let Some(bsdf) = tracer.meet(world, path, hits[i].t, at) else {
+            lane.end(out);
             continue;
         };
         match bsdf.in_lanes() {
             Some(model) if path.media.is_none() => {
-                surfaces.set(i, &at, &bsdf, &model);
-                lane.receiver = direct::receiver(&at, &bsdf);
+                surfaces.set(i, at, &bsdf, &model);
+                lane.receiver = direct::receiver(at, &bsdf);
                 wide |= 1 << i;
-                if tracer.wants_light(path)
-                    && let Some(choice) = world.lights.choose(&lane.receiver, points[0][i])
-                {
-                    let flat = choice.local
-                        && light.set_lamp(i, choice.index, choice.probability, || world.lights.flat(&choice));
-                    let textures = &world.scene.textures;
-                    if !flat
-                        && let Some(sample) = world.lights.sample_chosen(textures, &lane.receiver, choice, point(1, i))
-                    {
-                        light.set_sample(i, &sample);
-                    }
-                }
             }
             _ => {
                 let points = core::array::from_fn(|pair| point(pair, i));
-                match tracer.leave(world, path, (&at, &bsdf), points, queries) {
-                    Some(ray) => lane.ray = ray,
-                    None => {
-                        out[index] = path.out;
-                        lane.index = None;
-                    }
+                match tracer.leave(world, path, (at, &bsdf), points, queries) {
+                    Some(ray) => rays[i] = ray,
+                    None => lane.end(out),
                 }
             }
         }
@@ -166,30 +176,47 @@ fn step<'w>(
     if wide == 0 {
         return;
     }
+    let (mut choices, mut begun) = ([None; LANES], [Begun::default(); LANES]);
+    for i in Lanes(wide).filter(|&i| tracer.wants_light(&lanes[i].path)) {
+        choices[i] = world.lights.choose(&lanes[i].receiver, points[0][i]);
+        if let Some(choice) = &choices[i] {
+            begun[i] = world.lights.begin(choice, point(1, i));
+        }
+    }
+    for i in Lanes(wide) {
+        let (receiver, Some(choice)) = (&lanes[i].receiver, choices[i]) else { continue };
+        if !(choice.local && light.set_lamp(i, choice.index, choice.probability, || world.lights.flat(&choice)))
+            && let Some(sample) = world.lights.sample_chosen(&world.scene.textures, receiver, choice, &begun[i])
+        {
+            light.set_sample(i, &sample);
+        }
+    }
     dispatch!(level, simd => scatter::scatter(simd, surfaces, light, &points, scattered));
     let lit = (light.lamps | light.samples) & scattered.lit;
-    for (i, lane) in lanes.iter_mut().enumerate() {
-        let (Some(index), true) = (lane.index, wide >> i & 1 != 0) else { continue };
+    let reflected = |i: usize, path: &Path| split(&scattered.reflected, i) * path.throughput;
+    let (mut shadows, mut asked) = ([NO_RAY; LANES], 0);
+    for i in Lanes(lit).filter(|&i| reflected(i, &lanes[i].path).sum().max_element() > 0.0) {
+        asked |= 1 << i;
+        shadows[i] = Ray {
+            origin: get(&scattered.shadow_origin, i),
+            direction: get(&scattered.shadow_direction, i),
+            t_min: 0.0,
+            t_max: scattered.shadow_end[i],
+        };
+    }
+    let in_sight = asked & !queries.occluded_all(world, &shadows, asked);
+    for i in Lanes(wide) {
+        let lane = &mut lanes[i];
         let path = &mut lane.path;
-        if lit >> i & 1 != 0 {
-            let reflected = split(&scattered.reflected, i) * path.throughput;
-            let shadow = Ray {
-                origin: get(&scattered.shadow_origin, i),
-                direction: get(&scattered.shadow_direction, i),
-                t_min: 0.0,
-                t_max: scattered.shadow_end[i],
-            };
-            if reflected.sum().max_element() > 0.0 && !queries.occluded(world, &shadow) {
-                path.add_reflected(reflected);
-            }
+        if in_sight >> i & 1 != 0 {
+            path.add_reflected(reflected(i, path));
         }
         let sample =
             Sample { wi: get(&scattered.wi, i), weight: split(&scattered.weight, i), pdf: scattered.pdf[i], eta: 1.0 };
         if scattered.sampled >> i & 1 != 0 && tracer.goes_on(path, &sample, lane.receiver, points[3][i]) {
-            lane.ray = Ray::new(get(&scattered.origin, i), sample.wi);
+            rays[i] = Ray::new(get(&scattered.origin, i), sample.wi);
         } else {
-            out[index] = path.out;
-            lane.index = None;
+            lane.end(out);
         }
     }
 }

@@ -7,6 +7,7 @@ use super::super::Rgb;
 use super::bitmap::Taps;
 use crate::color::from_srgb;
 use crate::image::{Raster, Samples, half};
+use crate::simd::prefetch;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -192,6 +193,18 @@ impl Stored {
             Samples::U16(s) => self.look_up.of(&s[pixel], |x| self.table[usize::from(x)]),
             Samples::Half(s) => self.look_up.of(&s[pixel], half),
             Samples::F32(s) => self.look_up.of(&s[pixel], |x| x),
+        }
+    }
+
+    /// Reads a number of texel `i`, so that it comes to the cache.
+    #[inline(always)]
+    pub(super) fn touch(&self, i: usize) {
+        let at = i * self.raster().channels.count();
+        match &self.raster().samples {
+            Samples::U8(s) => prefetch(&s[at]),
+            Samples::U16(s) => prefetch(&s[at]),
+            Samples::Half(s) => prefetch(&s[at]),
+            Samples::F32(s) => prefetch(&s[at]),
         }
     }
 
