@@ -48,7 +48,7 @@ impl<'a> Passes<'a> {
         let generator = RayGenerator::new(camera);
         let splats = settings
             .interpolation
-            .splats(shader.reading)
+            .splats(shader.caches, shader.reading)
             .then(|| Splats::new(shader.caches, &generator, camera.lens.is_some()));
         Self {
             shader,
