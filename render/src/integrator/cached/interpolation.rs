@@ -1,6 +1,9 @@
 //! Who sums the records of a pixel.
 
+use super::caches::Caches;
+use super::kinds::{self, EachKind, Listed};
 use super::reading::Reading;
+use core::convert::Infallible;
 
 /// Who sums the records of a pixel. The pictures are the same to the last bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,12 +18,30 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Whether records are drawn. Where few pixels read them, tiles have little to share.
-    pub(super) fn splats(self, reading: Reading) -> bool {
+    /// Whether records are drawn. It pays for those that surfaces read together, where all pixels read them: to find records is too
+    /// small a part of the time to matter (`doc/measurements.md`, splatting).
+    pub(super) fn splats(self, caches: &Caches, reading: Reading) -> bool {
+        let mut together = Together { caches, any: false };
+        let Ok(()) = kinds::each(&mut together);
         match self {
-            Self::Auto => reading == Reading::Every,
+            Self::Auto => reading == Reading::Every && together.any,
             Self::Octree => false,
             Self::Splat => true,
         }
+    }
+}
+
+/// Whether there are records that surfaces read together.
+struct Together<'a> {
+    caches: &'a Caches,
+    any: bool,
+}
+
+impl EachKind for Together<'_> {
+    type Error = Infallible;
+
+    fn run<K: Listed>(&mut self) -> Result<(), Infallible> {
+        self.any |= K::TOGETHER && !K::cache(&self.caches.glossy).records().is_empty();
+        Ok(())
     }
 }

@@ -30,6 +30,8 @@ pub trait GlossyKind: Clone + Debug + Default + Send + Sync {
     const TABLES: bool;
     /// Tells its sample points from those of other records.
     const SALT: u64;
+    /// Whether surfaces that are read together take less time than one by one.
+    const TOGETHER: bool;
 
     /// What a method that asks for it must tell besides.
     type Settings: Copy + Debug + PartialEq;

@@ -210,7 +210,7 @@ impl<'a> Passes<'a> {
 
     fn reader(&self) -> Reader<'_> {
         let Self { shader, settings, camera, lens, splats, sums, .. } = self;
-        let drawn = settings.interpolation.splats(shader.reading);
+        let drawn = settings.interpolation.splats(shader.caches, shader.reading);
         let splats = splats.get_or_init(|| drawn.then(|| Splats::new(shader.caches, camera, *lens)));
         Reader { shader, splats: splats.as_ref(), seed: settings.seed, spp: sums.spp }
     }

@@ -52,6 +52,7 @@ impl GlossyKind for Ambient {
     const MEAN_KEY: &'static str = "ambient_mean";
     const TABLES: bool = false;
     const SALT: u64 = 5;
+    const TOGETHER: bool = false;
 
     type Settings = ();
     type Record = AmbientRecord;

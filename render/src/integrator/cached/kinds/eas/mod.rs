@@ -42,6 +42,7 @@ impl GlossyKind for Eas {
     const MEAN_KEY: &'static str = "eas_mean";
     const TABLES: bool = true;
     const SALT: u64 = 3;
+    const TOGETHER: bool = true;
 
     type Settings = ();
     type Record = EasRecord;

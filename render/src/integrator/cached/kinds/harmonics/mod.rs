@@ -40,6 +40,7 @@ impl GlossyKind for Harmonics {
     const MEAN_KEY: &'static str = "order_mean";
     const TABLES: bool = false;
     const SALT: u64 = 4;
+    const TOGETHER: bool = false;
 
     type Settings = HarmonicsSettings;
     type Record = HarmonicsRecord;
