@@ -71,10 +71,10 @@ impl View {
         (socket, menu)
     }
 
-    /// Ctrl-C: exit code and what was said.
+    /// What ends it as Ctrl-C does: exit code and what was said. Jobs in the background of a script ignore Ctrl-C itself.
     #[cfg(unix)]
-    fn interrupt(mut self) -> (Option<i32>, String, Folder) {
-        let kill = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap();
+    fn end(mut self) -> (Option<i32>, String, Folder) {
+        let kill = Command::new("kill").args(["-TERM", &self.child.id().to_string()]).status().unwrap();
         assert!(kill.success());
         let mut said = String::new();
         self.child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
@@ -250,7 +250,7 @@ fn a_walk_is_seen_recorded_and_kept() {
     send(&mut socket, &json!({"do": "home"}));
     settled_unlike(&mut socket, &brighter);
 
-    let (code, said, folder) = view.interrupt();
+    let (code, said, folder) = view.end();
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("records kept") && !said.contains("panicked"), "{said}");
     let recorded = std::fs::read_to_string(folder.path("walk.csv")).unwrap();

@@ -246,7 +246,8 @@ def main():
                 phone(page, args.pictures)
                 assert not page.wrong, f"in the console: {page.wrong}"
                 print("ok: nothing is wrong in the console")
-                view.send_signal(signal.SIGINT)
+                # Jobs in the background of a script ignore Ctrl-C; this ends it in the same way.
+                view.send_signal(signal.SIGTERM)
                 assert view.wait(PATIENCE) == 0, "Ctrl-C"
                 page.wait("document.getElementById('notice').textContent.includes('has ended')", "the page is told of the end")
             assert (folder / "a.cache").exists()
