@@ -1,7 +1,7 @@
 //! Frames from records, and the records for them.
 
 use super::orders::Change;
-use super::session::Session;
+use super::session::{NEXT_ORDER, Session};
 use super::status::Stage;
 use crate::cache::Density;
 use crate::integrator::cached::policy::Policy;
@@ -47,7 +47,7 @@ impl Session<'_> {
             if first || change.view {
                 self.move_on(&work, caches, &mut sums, first);
                 first = false;
-                change = self.heed(Duration::ZERO);
+                change = self.heed(NEXT_ORDER);
             } else {
                 change = self.stand(&work, caches, &mut sums);
             }

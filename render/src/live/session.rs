@@ -24,6 +24,8 @@ use std::time::{Duration, Instant};
 /// Time for a frame without its records: with them five come in a second, ten where none are missing. A denoiser takes its own.
 const FRAME: Duration = Duration::from_millis(75);
 const DENOISED_FRAME: Duration = Duration::from_millis(140);
+/// Time in which a hand that moves gives its next order: the work for a camera that stands still is not begun before.
+pub(super) const NEXT_ORDER: Duration = Duration::from_millis(25);
 /// Time without orders after which a picture that is there looks for them anyway.
 const LONG: Duration = Duration::from_secs(3600);
 /// Seconds in which one walks as far as one sees, about.

@@ -1,7 +1,7 @@
 //! Frames by path tracing.
 
 use super::orders::Change;
-use super::session::Session;
+use super::session::{NEXT_ORDER, Session};
 use super::status::Stage;
 use crate::film::{add_samples, black};
 use crate::integrator::PathTracer;
@@ -23,7 +23,7 @@ impl Session<'_> {
             if first || change.view {
                 self.trace_frame();
                 first = false;
-                change = self.heed(Duration::ZERO);
+                change = self.heed(NEXT_ORDER);
             } else {
                 change = self.trace_on();
             }
