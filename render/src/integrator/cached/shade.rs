@@ -9,7 +9,7 @@ use super::kind::{Found, Shaded};
 use super::kinds::{Listed, Scratches, WithKind};
 use super::points::{PixelCone, Point, Seen, Walk, see};
 use super::policy::{LobeWidth, Policy, Treatment};
-use super::reading::Reading;
+use super::reading::{Paths, Reading};
 use super::settings::Quality;
 use super::split::LightSplit;
 use super::surface::{Grouping, Surface, turned};
@@ -51,26 +51,6 @@ pub struct Shader<'a> {
     pub(super) reading: Reading,
     /// Paths of what records do not hold.
     pub(super) paths: Paths,
-}
-
-/// How many paths a surface gets whose light is not all in records.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Paths {
-    /// Where records are doubted altogether.
-    doubted: f32,
-    /// Where light is cached for the neighbours only.
-    least: f32,
-    /// However many samples of the pixel show the surface.
-    most: f32,
-}
-
-impl Paths {
-    /// The neighbours have no noise, so it must not have much.
-    pub const SMOOTH: Self = Self { doubted: 64.0, least: 8.0, most: f32::INFINITY };
-    /// A denoiser takes the noise away: in a staircase of rough plastics, a third of the time for less error.
-    pub const DENOISED: Self = Self { doubted: 4.0, least: 2.0, most: f32::INFINITY };
-    /// The next picture comes soon.
-    pub const HASTY: Self = Self { doubted: 1.0, least: 1.0, most: 1.0 };
 }
 
 impl Shader<'_> {
