@@ -121,7 +121,7 @@ fn short_commands_of_manuals_run() {
         for (_, block) in blocks(&text).filter(|(marked, _)| *marked) {
             found += 1;
             let place = tempfile::tempdir().unwrap();
-            for part in ["tests/scenes", "tables"] {
+            for part in ["tests/scenes", "tests/inputs/valid/measured", "tables"] {
                 copy(&root().join(part), &place.path().join(part));
             }
             let script = format!("set -euo pipefail\n{block}");

@@ -203,7 +203,7 @@ fn saving_is_all_or_nothing() {
 
     // A header that does not fit: the file that is there stays.
     let mut talkative = second.clone();
-    talkative.header.notes = vec!["x".repeat(1 << 17)];
+    talkative.header.notes = vec!["x".repeat(1 << 21)];
     assert!(matches!(talkative.save(&path).unwrap_err(), FormatError::Header(_)));
     assert_eq!(Table::load(&path).unwrap(), first);
 
