@@ -57,18 +57,7 @@ pub fn render<I: Integrator>(
 pub fn black(camera: &Camera) -> Picture {
     let window = camera.film.window();
     let count = window.width as usize * window.height as usize;
-    Picture {
-        width: window.width,
-        height: window.height,
-        corner: [window.x, window.y],
-        pixels: vec![Pixel::default(); count],
-        spp: 0,
-        passes: 0,
-        outline_rays: 0,
-        counts: Counts::default(),
-        from_records: false,
-        denoised: None,
-    }
+    Picture::of(window, vec![Pixel::default(); count], 0, Counts::default(), false)
 }
 
 /// Adds a pass of so many samples to every pixel of a picture that a camera takes, with sample points of this seed.

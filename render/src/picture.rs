@@ -214,6 +214,13 @@ pub fn require_memory(camera: &Camera, cached: bool, lens: bool, denoised: bool)
 }
 
 impl Picture {
+    /// Sums over so many samples of every pixel of a part of a film, and what they took; without passes, and not denoised.
+    pub(crate) fn of(window: Crop, pixels: Vec<Pixel>, spp: u32, counts: Counts, from_records: bool) -> Self {
+        let Crop { x, y, width, height } = window;
+        let (corner, passes, outline_rays) = ([x, y], 0, 0);
+        Self { width, height, corner, pixels, spp, passes, outline_rays, counts, from_records, denoised: None }
+    }
+
     /// Share of a pixel's samples that met a surface.
     pub fn alpha(&self, pixel: &Pixel) -> f32 {
         pixel.surfaces as f32 / self.spp.max(1) as f32

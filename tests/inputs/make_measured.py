@@ -170,6 +170,8 @@ def damaged(folder):
         "columns.csv": b"theta_i,theta_o,r,g,b\n0.1,0.2,0.1,0.1,0.1\n",
         "horizon.csv": b"theta_i_deg,theta_o,phi,r,g,b\n91,0.2,0.3,0.1,0.1,0.1\n",
         "few.csv": b"theta_i,theta_o,phi,r,g,b\n0.1,0.2,0.3,0.1,0.1,0.1\n",
+        "faint.csv": b"theta_i,theta_o,phi,r,g,b\n"
+        + b"".join(b"0.%d,0.2,%d,1e-300,1e-300,1e-300\n" % (i, i % 3) for i in range(1, 9)),
         "short.brdf": b"# num wls\n2\n# wls\n500 600\n0.1 0 0.2 0 0.1\n",
         "waves.brdf": b"3\n500 600\n",
         "data.txt": b"0.1\n",

@@ -20,6 +20,9 @@ const SCALES: [f64; 3] = [2.0, 1.0, 0.5];
 /// Roughnesses and normal reflectances tried.
 const ROUGHNESSES: usize = 30;
 const REFLECTANCES: [f64; 8] = [0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.7, 1.0];
+/// Least that the largest value may be, sr⁻¹, and least part of it that the floor is: squares of its inverse must be finite.
+const FAINTEST: f64 = 1e-12;
+const LEAST_FLOOR: f64 = 1e-9;
 /// Most points that a fit and a cross-check look at.
 const MOST_FITTED: usize = 3000;
 const MOST_CHECKED: usize = 600;
@@ -48,12 +51,15 @@ impl Scattered {
         }
         let mut grey: Vec<f64> = lit.iter().map(|p| mean(&p.2)).collect();
         grey.sort_by(f64::total_cmp);
-        let median = grey[grey.len() / 2];
-        let floor = 0.02 * if median > 0.0 { median } else { grey[grey.len() - 1] };
-        if floor <= 0.0 {
-            return Err(ReadError::new(Place::File, "all values are zero"));
+        let (median, largest) = (grey[grey.len() / 2], grey[grey.len() - 1]);
+        if largest < FAINTEST {
+            let what = format!("all values are zero, or below {FAINTEST:e} sr⁻¹");
+            return Err(ReadError::new(Place::File, what));
         }
-        let (facets, strengths) = model(&lit, floor);
+        let floor = (0.02 * if median > 0.0 { median } else { largest }).max(LEAST_FLOOR * largest);
+        let Some((facets, strengths)) = model(&lit, floor) else {
+            return Err(ReadError::new(Place::File, "no model has a finite distance from the values"));
+        };
         let mut order: Vec<([f64; 3], [f64; 3])> = lit
             .iter()
             .map(|(wi, wo, rgb)| {
@@ -166,8 +172,8 @@ fn at(facets: &Microfacet, (diffuse, strength): &([f64; 3], [f64; 3]), wi: DVec3
 }
 
 /// The roughness and normal reflectance whose kd/π + ks · GGX, fitted to the grey values by least squares of relative errors,
-/// is the nearest; then kd/π and ks of each channel.
-fn model(points: &[Point], floor: f64) -> (Microfacet, ([f64; 3], [f64; 3])) {
+/// is the nearest; then kd/π and ks of each channel. `None` where no distance is finite.
+fn model(points: &[Point], floor: f64) -> Option<(Microfacet, ([f64; 3], [f64; 3]))> {
     let step = points.len().div_ceil(MOST_FITTED);
     let points: Vec<&Point> = points.iter().step_by(step).collect();
     let mut best = (f64::INFINITY, None);
@@ -183,13 +189,13 @@ fn model(points: &[Point], floor: f64) -> (Microfacet, ([f64; 3], [f64; 3])) {
             }
         }
     }
-    let (facets, lobe, grey) = best.1.unwrap_or_else(|| unreachable!("errors are finite"));
+    let (facets, lobe, grey) = best.1?;
     let mut strengths = ([grey.0; 3], [grey.1; 3]);
     for c in 0..3 {
         let ((diffuse, strength), _) = linear(&points, &lobe, floor, |rgb| rgb[c]);
         (strengths.0[c], strengths.1[c]) = (diffuse, strength);
     }
-    (facets, strengths)
+    Some((facets, strengths))
 }
 
 /// d + s · lobe ≈ value by least squares of relative errors, both not negative; and the sum of squares.

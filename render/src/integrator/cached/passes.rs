@@ -99,23 +99,8 @@ impl<'a> Passes<'a> {
         let reading = Instant::now();
         let negative_pixels = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
         let Self { window, sums: Sums { pixels, spp, counts, .. }, .. } = self;
-        let corner = [window.x, window.y];
-        let (width, height) = (window.width, window.height);
-        (
-            Picture {
-                width,
-                height,
-                corner,
-                pixels,
-                spp,
-                passes: 0,
-                outline_rays: 0,
-                counts,
-                from_records: true,
-                denoised: None,
-            },
-            Shading { negative_pixels, indirect: reading.elapsed() },
-        )
+        let picture = Picture::of(window, pixels, spp, counts, true);
+        (picture, Shading { negative_pixels, indirect: reading.elapsed() })
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.

@@ -86,21 +86,8 @@ impl Rendering<'_> {
     pub fn developed(&self, from: &Scenery, sums: &mut Sums, seed: u64, halt: &Halt) -> Option<Picture> {
         let mut pixels = sums.pixels.clone();
         let (traced, _) = self.passing(from, sums, seed, halt, |passes| passes.add_indirect(&mut pixels, &|_| ()));
-        let Crop { x, y, width, height } = from.camera.film.window();
         let counts = [sums.counts, traced].into_iter().sum();
-        let (corner, spp) = ([x, y], sums.spp);
-        let picture = Picture {
-            width,
-            height,
-            corner,
-            pixels,
-            spp,
-            passes: 0,
-            outline_rays: 0,
-            counts,
-            from_records: true,
-            denoised: None,
-        };
+        let picture = Picture::of(from.camera.film.window(), pixels, sums.spp, counts, true);
         (!halt.is_set()).then_some(picture)
     }
 
