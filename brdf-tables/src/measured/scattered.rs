@@ -27,6 +27,9 @@ const LEAST_FLOOR: f64 = 1e-9;
 const MOST_FITTED: usize = 3000;
 const MOST_CHECKED: usize = 600;
 
+/// kd/π and ks of each channel.
+type Strengths = ([f64; 3], [f64; 3]);
+
 /// A pair of directions and f_r there.
 pub type Point = (DVec3, DVec3, [f64; 3]);
 
@@ -35,8 +38,7 @@ pub struct Scattered {
     places: Vec<[f64; 3]>,
     ratios: Vec<[f64; 3]>,
     facets: Microfacet,
-    /// kd/π and ks.
-    strengths: ([f64; 3], [f64; 3]),
+    strengths: Strengths,
     /// What both sides of a ratio are raised by, sr⁻¹, so that zeros have one.
     floor: f64,
 }
@@ -166,14 +168,14 @@ fn mean(rgb: &[f64; 3]) -> f64 {
 }
 
 /// The model's value.
-fn at(facets: &Microfacet, (diffuse, strength): &([f64; 3], [f64; 3]), wi: DVec3, wo: DVec3) -> [f64; 3] {
+fn at(facets: &Microfacet, (diffuse, strength): &Strengths, wi: DVec3, wo: DVec3) -> [f64; 3] {
     let lobe = facets.eval(wi, wo);
     core::array::from_fn(|c| diffuse[c] + strength[c] * lobe)
 }
 
 /// The roughness and normal reflectance whose kd/π + ks · GGX, fitted to the grey values by least squares of relative errors,
 /// is the nearest; then kd/π and ks of each channel. `None` where no distance is finite.
-fn model(points: &[Point], floor: f64) -> Option<(Microfacet, ([f64; 3], [f64; 3]))> {
+fn model(points: &[Point], floor: f64) -> Option<(Microfacet, Strengths)> {
     let step = points.len().div_ceil(MOST_FITTED);
     let points: Vec<&Point> = points.iter().step_by(step).collect();
     let mut best = (f64::INFINITY, None);
