@@ -31,31 +31,53 @@ pub struct OutputError {
 /// # Errors
 /// A place that cannot be written, or not all of it: what was there is then still there.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    write_as(path, bytes, Kept::OnDisk)
+}
+
+/// [`write()`] without waiting for the disk, for what will soon be written again: whoever reads it finds it whole, and a process
+/// that is killed leaves it whole; a machine that loses its power may not.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_draft(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    write_as(path, bytes, Kept::ByTheSystem)
+}
+
+/// Where a file is when its writing is said to be done.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kept {
+    OnDisk,
+    ByTheSystem,
+}
+
+fn write_as(path: &Path, bytes: &[u8], kept: Kept) -> Result<(), OutputError> {
     let fail = |what| OutputError { path: path.into(), what };
     let written = match Place::of(path).map_err(fail)? {
         Place::Special { .. } => OpenOptions::new()
             .append(true)
             .open(path)
             .and_then(|mut file| file.write_all(bytes).and_then(|()| file.flush())),
-        Place::File { path: target, old } => replace(&target, old, bytes),
+        Place::File { path: target, old } => replace(&target, old, bytes, kept),
     };
     written.map_err(|e| fail(plain(&e)))
 }
 
-fn replace(target: &Path, old: Option<fs::Metadata>, bytes: &[u8]) -> io::Result<()> {
+fn replace(target: &Path, old: Option<fs::Metadata>, bytes: &[u8], kept: Kept) -> io::Result<()> {
     let file = temporary(folder_of(target))?;
     let _pending = Pending::new(file.path());
     file.as_file().write_all(bytes)?;
-    finish(file, target, old)
+    finish(file, target, old, kept)
 }
 
 /// Puts a file that is written into its place.
-fn finish(file: NamedTempFile, target: &Path, old: Option<fs::Metadata>) -> io::Result<()> {
+fn finish(file: NamedTempFile, target: &Path, old: Option<fs::Metadata>, kept: Kept) -> io::Result<()> {
     if let Some(old) = old {
         file.as_file().set_permissions(old.permissions())?;
     }
-    // Some systems say only now that there is no room.
-    file.as_file().sync_all()?;
+    if kept == Kept::OnDisk {
+        // Some systems say only now that there is no room.
+        file.as_file().sync_all()?;
+    }
     file.persist(target).map(drop).map_err(|e| e.error)
 }
 
@@ -81,7 +103,7 @@ pub fn write_with<E: From<OutputError>>(
     write(&mut buffered)?;
     buffered.flush().map_err(io)?;
     drop(buffered);
-    finish(file, &target, old).map_err(io)?;
+    finish(file, &target, old, Kept::OnDisk).map_err(io)?;
     Ok(())
 }
 

@@ -14,8 +14,8 @@ const SAVING_SHARE: f64 = 0.1;
 pub(super) struct Kept<'a> {
     path: Option<&'a Path>,
     _lock: Option<Lock>,
-    /// When the file was written, and how long that took.
-    saved: (Instant, Duration),
+    /// When what is filled so far was kept, and how long that took.
+    drafted: (Instant, Duration),
 }
 
 impl<'a> Kept<'a> {
@@ -26,7 +26,7 @@ impl<'a> Kept<'a> {
             Lock::of(path, wait).map_err(|e| anyhow!("{}: no lock: {e}", path.display()))
         };
         let lock = path.filter(|_| !read_only).map(lock).transpose()?;
-        Ok(Self { path, _lock: lock, saved: (Instant::now(), Duration::ZERO) })
+        Ok(Self { path, _lock: lock, drafted: (Instant::now(), Duration::ZERO) })
     }
 
     /// The records of the file, if there is one, and whether they were made at the same τ.
@@ -56,20 +56,17 @@ impl<'a> Kept<'a> {
 
     /// Keeps what is filled so far, but where that would take too much of the time.
     pub fn stage(&mut self, key: &Key, caches: &Caches) -> Result<()> {
-        let (when, took) = self.saved;
-        if took > when.elapsed().mul_f64(SAVING_SHARE) {
-            return Ok(());
-        }
-        self.save(key, caches)
+        let (when, took) = self.drafted;
+        let Some(path) = self.path.filter(|_| took <= when.elapsed().mul_f64(SAVING_SHARE)) else { return Ok(()) };
+        let start = Instant::now();
+        key.save_draft(path, caches).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+        self.drafted = (Instant::now(), start.elapsed());
+        Ok(())
     }
 
     /// Writes the file.
-    pub fn save(&mut self, key: &Key, caches: &Caches) -> Result<()> {
-        if let Some(path) = self.path {
-            let start = Instant::now();
-            key.save(path, caches).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-            self.saved = (Instant::now(), start.elapsed());
-        }
-        Ok(())
+    pub fn save(&self, key: &Key, caches: &Caches) -> Result<()> {
+        let Some(path) = self.path else { return Ok(()) };
+        key.save(path, caches).map_err(|e| anyhow!("{}: {e}", path.display()))
     }
 }

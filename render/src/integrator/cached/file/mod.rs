@@ -76,6 +76,15 @@ impl Key {
         Ok(output::write(path, &to_bytes(&self.header, caches)?)?)
     }
 
+    /// [`Key::save`] of caches that are being filled and will be saved again: whoever is killed leaves a whole file, a machine that
+    /// loses its power may not.
+    ///
+    /// # Errors
+    /// A place that cannot be written.
+    pub fn save_draft(&self, path: &Path, caches: &Caches) -> Result<(), CacheFileError> {
+        Ok(output::write_draft(path, &to_bytes(&self.header, caches)?)?)
+    }
+
     /// Reads caches that fit the scene, its materials and tables. Allocates no more than a small multiple of the file.
     ///
     /// # Errors
