@@ -200,15 +200,16 @@ const SURFACE_BYTES: [u64; 2] = [1024, 3072];
 /// Bytes of the layers of a pixel while it is denoised, and what comes of them.
 const DENOISE_BYTES: u64 = 200;
 
-/// Refuses a film for which there is not enough memory, with caches, with a lens and with a denoiser or without.
+/// Refuses a film for which there is not enough memory, with the surfaces of so many pixels kept at once, with a lens and with a
+/// denoiser or without.
 ///
 /// # Errors
 /// One line with what it needs and what there is.
-pub fn require_memory(camera: &Camera, cached: bool, lens: bool, denoised: bool) -> Result<(), String> {
+pub fn require_memory(camera: &Camera, kept: u64, lens: bool, denoised: bool) -> Result<(), String> {
     let Crop { width, height, .. } = camera.film.window();
-    let work = if cached { SURFACE_BYTES[usize::from(lens)] } else { FILE_BYTES };
-    let pixel = size_of::<Pixel>() as u64 + work + if denoised { DENOISE_BYTES } else { 0 };
-    let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
+    let pixel = size_of::<Pixel>() as u64 + FILE_BYTES + if denoised { DENOISE_BYTES } else { 0 };
+    let surfaces = kept.saturating_mul(SURFACE_BYTES[usize::from(lens)]);
+    let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel).saturating_add(surfaces);
     memory::require(&format!("a film of {width} × {height} pixels"), need)
         .map_err(|what| format!("{what}; choose a smaller one with --width, or a part of it with --crop"))
 }

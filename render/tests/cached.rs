@@ -33,6 +33,8 @@ mod pieces;
 mod spacing;
 #[path = "cached/splat.rs"]
 mod splat;
+#[path = "cached/strips.rs"]
+mod strips;
 #[path = "cached/textures.rs"]
 mod textures;
 #[path = "cached/translation.rs"]

@@ -5,6 +5,7 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use render::film;
 use render::image::{Image, Look, read, read_noise, write_picture};
 use render::integrator::PathTracer;
+use render::integrator::cached::kept_pixels;
 use render::picture::{Budget, require_memory};
 use render::scene::checksum::{Checksums, Hash};
 use render::scene::{Scene, load};
@@ -52,7 +53,8 @@ pub fn load_scene(plan: &Plan, path: &Path, reference: Option<&PathBuf>) -> Resu
     let (mut scene, warnings) = load::load(path, &plan.load)?;
     warnings.iter().for_each(|warning| eprintln!("render: warning: {warning}"));
     scene.camera.film.resize(plan.width, None);
-    require_memory(&scene.camera, true, scene.camera.lens.is_some(), false)
+    let kept = kept_pixels(scene.camera.film.window(), false);
+    require_memory(&scene.camera, kept, scene.camera.lens.is_some(), false)
         .map_err(Error::msg)
         .with_context(|| path.display().to_string())?;
     let digest = digest(&scene, plan.indirect_only);

@@ -10,7 +10,7 @@ use render::cache::Spacing;
 use render::denoise::{Denoiser, Effort};
 use render::image::Look;
 use render::integrator::cached::policy::Allowed;
-use render::integrator::cached::{Settings, TOLERANCE};
+use render::integrator::cached::{Settings, TOLERANCE, kept_pixels};
 use render::outlines;
 use render::picture::{Budget, require_memory};
 use render::record::harmonics::HarmonicsSettings;
@@ -92,7 +92,11 @@ impl Job {
         view::change(&mut scene.camera, args.width, args.height, args.crop);
         look::check_size(&args.output, &scene.camera.film)?;
         let lens = args.optics.check(&scene.camera)?;
-        let memory = require_memory(&scene.camera, args.method != Method::Path, lens, denoiser.is_some());
+        let kept = match args.method {
+            Method::Path => 0,
+            _ => kept_pixels(scene.camera.film.window(), args.time.is_none()),
+        };
+        let memory = require_memory(&scene.camera, kept, lens, denoiser.is_some());
         memory.map_err(Error::msg).with_context(place)?;
         scene.integrator.hide_environment = args.looking.transparent;
         scene.integrator.soft_terminator = args.soft_terminator;

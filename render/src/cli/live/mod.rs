@@ -21,7 +21,7 @@ use records::Records;
 use render::cache::Spacing;
 use render::image::view::View;
 use render::integrator::cached::policy::Policy;
-use render::integrator::cached::{Interpolation, Settings, TOLERANCE};
+use render::integrator::cached::{Interpolation, Settings, TOLERANCE, kept_pixels};
 use render::live::{Desk, Engine, Menu, Options, Session, TAUS};
 use render::picture::{Budget, require_memory};
 use render::record::eas::Estimator;
@@ -135,7 +135,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         (width, height) => scene.camera.film.resize(width, height),
     }
     let lens = scene.camera.lens.is_some();
-    require_memory(&scene.camera, true, lens, denoiser.is_some()).map_err(Error::msg).with_context(place)?;
+    let kept = kept_pixels(scene.camera.film.window(), false);
+    require_memory(&scene.camera, kept, lens, denoiser.is_some()).map_err(Error::msg).with_context(place)?;
     scene.integrator.max_depth = args.max_depth.unwrap_or(scene.integrator.max_depth);
     let world = pool.install(|| World::new(scene)).with_context(place)?;
 

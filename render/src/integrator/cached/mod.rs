@@ -50,6 +50,7 @@ pub use incident::IncidentTracer;
 pub use interpolation::Interpolation;
 pub use kind::{Asked, Found, GlossyKind, KindFigures, Shaded};
 pub use kinds::{Description, EachKind, Listed, WithKind};
+pub use passes::kept_pixels;
 pub use points::{PixelCone, Point};
 use policy::Policy;
 pub use probe::{Probe, ProbeError};

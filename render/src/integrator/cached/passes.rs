@@ -26,6 +26,21 @@ use std::time::Instant;
 /// Share of the progress that direct light takes.
 const DIRECT_SHARE: f64 = 0.7;
 
+/// Pixels whose surfaces are kept at once, about, where the number of samples is known: with half a kilobyte a pixel they would take
+/// four times as much memory as the film.
+pub(super) const STRIP: usize = 1 << 20;
+
+/// Pixels of a part of a film whose surfaces are kept at once: where the number of samples is known, whole rows of it.
+pub fn kept_pixels(window: Crop, samples_are_known: bool) -> u64 {
+    let rows = if samples_are_known { strip_rows(window.width, STRIP).min(window.height) } else { window.height };
+    u64::from(rows) * u64::from(window.width)
+}
+
+/// Rows of a strip of about so many pixels, which is whole tiles.
+fn strip_rows(width: u32, pixels: usize) -> u32 {
+    (pixels / width.max(1) as usize).next_multiple_of(SIDE).max(SIDE) as u32
+}
+
 /// A picture in the making.
 pub(super) struct Passes<'a> {
     shader: &'a Shader<'a>,
@@ -70,15 +85,10 @@ impl<'a> Passes<'a> {
         self.halt.is_some_and(Halt::is_set)
     }
 
-    /// Renders within the budget, which began at `start`.
-    pub fn run(mut self, start: Instant, progress: &(dyn Fn(f64) + Sync)) -> (Picture, Shading) {
+    /// Renders within the budget, which began at `start`; where it is samples, strips of so many pixels.
+    pub fn run(mut self, start: Instant, strip: usize, progress: &(dyn Fn(f64) + Sync)) -> (Picture, Shading) {
         match self.settings.budget {
-            Budget::Samples(n) => {
-                while self.sums.spp < n {
-                    self.direct(PASS.min(n - self.sums.spp));
-                    progress(DIRECT_SHARE * f64::from(self.sums.spp) / f64::from(n));
-                }
-            }
+            Budget::Samples(n) => return self.strips(n, strip, progress),
             Budget::Time(limit) => {
                 let mut pace = Pace::new(start + limit);
                 loop {
@@ -101,6 +111,30 @@ impl<'a> Passes<'a> {
         let Self { window, sums: Sums { pixels, spp, counts, .. }, .. } = self;
         let picture = Picture::of(window, pixels, spp, counts, true);
         (picture, Shading { negative_pixels, indirect: reading.elapsed() })
+    }
+
+    /// Renders so many samples, strip by strip from the top.
+    fn strips(mut self, samples: u32, strip: usize, progress: &(dyn Fn(f64) + Sync)) -> (Picture, Shading) {
+        let window = self.window;
+        let (rows, height) = (strip_rows(window.width, strip), f64::from(window.height));
+        let mut pixels = Vec::with_capacity(window.width as usize * window.height as usize);
+        let (mut counts, mut shading) = (self.sums.counts, Shading::default());
+        for top in (0..window.height).step_by(rows as usize) {
+            let strip = Crop { y: window.y + top, height: rows.min(window.height - top), ..window };
+            let progress = |x: f64| progress((f64::from(top) + x * f64::from(strip.height)) / height);
+            self.window = strip;
+            self.sums.clear(strip);
+            while self.sums.spp < samples {
+                self.direct(PASS.min(samples - self.sums.spp));
+                progress(DIRECT_SHARE * f64::from(self.sums.spp) / f64::from(samples));
+            }
+            let reading = Instant::now();
+            shading.negative_pixels += self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
+            shading.indirect += reading.elapsed();
+            pixels.append(&mut self.sums.pixels);
+            counts += self.sums.counts;
+        }
+        (Picture::of(window, pixels, samples, counts, true), shading)
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.

@@ -3,7 +3,7 @@
 use super::Settings;
 use super::build::Builder;
 use super::caches::Caches;
-use super::passes::Passes;
+use super::passes::{Passes, STRIP};
 use super::points::PixelCone;
 use super::policy::Policy;
 use super::reading::{Paths, Reading};
@@ -33,6 +33,7 @@ pub struct Rendering<'a> {
     split: LightSplit,
     reading: Reading,
     paths: Paths,
+    strip: usize,
 }
 
 impl<'a> Rendering<'a> {
@@ -44,12 +45,19 @@ impl<'a> Rendering<'a> {
     /// With other numbers.
     pub(super) fn with(world: &World, policy: &'a Policy, settings: &Settings, knobs: &Knobs) -> Self {
         let split = LightSplit::new(world, settings.indirect_only);
-        Self { policy, settings: *settings, knobs: *knobs, split, reading: Reading::default(), paths: Paths::SMOOTH }
+        let (settings, knobs, reading, paths) = (*settings, *knobs, Reading::default(), Paths::SMOOTH);
+        Self { policy, settings, knobs, split, reading, paths, strip: STRIP }
     }
 
     /// The same, where these pixels read records.
     pub fn reading(self, reading: Reading) -> Self {
         Self { reading, ..self }
+    }
+
+    /// The same, which keeps the surfaces of about so many pixels in memory where the number of samples is known. The picture is
+    /// the same where all pixels read records.
+    pub fn in_strips(self, pixels: usize) -> Self {
+        Self { strip: pixels, ..self }
     }
 
     fn quality(&self, tolerance: f32) -> Quality {
@@ -136,7 +144,7 @@ impl<'a> Rendering<'a> {
     ) -> (Picture, Shading) {
         let shader = self.shader((world, &world.scene.camera), tolerance, caches);
         let settings = Settings { budget, seed, ..self.settings };
-        Passes::new(&shader, &settings).run(start, progress)
+        Passes::new(&shader, &settings).run(start, self.strip, progress)
     }
 
     /// What shades pixels of a camera.
