@@ -11,6 +11,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::serve::ListenerExt;
 use render::live::{Desk, Menu};
 use std::net::TcpListener;
 use std::sync::Arc;
@@ -75,7 +76,8 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build().context(FAILED)?;
         let listener = {
             let _inside = runtime.enter();
-            tokio::net::TcpListener::from_std(listener).context(FAILED)?
+            // Else a frame waits until the page has acknowledged the status before it.
+            tokio::net::TcpListener::from_std(listener).context(FAILED)?.tap_io(|stream| drop(stream.set_nodelay(true)))
         };
         let (tell, done) = mpsc::channel();
         std::thread::Builder::new()
