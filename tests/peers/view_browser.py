@@ -172,6 +172,10 @@ def desk(page, pictures):
         assert none == (method == "path"), method
         print(f"ok: method {method}")
     page.changes(lambda: page.choose("method", "auto", "change"), "back to auto")
+    for way in page.value("[...document.getElementById('interpolation').options].map(o => o.value)"):
+        page.choose("interpolation", way, "change")
+        page.wait(f"status.interpolation === '{way}' && status.stage === 'settled'", way)
+        print(f"ok: records by {way}")
     page.click("mark")
     page.wait("saved.length === 1", "a view is saved")
     page.key("v", "KeyV")

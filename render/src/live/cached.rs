@@ -36,7 +36,8 @@ impl Session<'_> {
     /// Draws from records until another method, another τ or the end is asked for.
     pub(super) fn cached(&mut self, policy: &Policy, tolerance: f32, caches: &mut Caches) -> Change {
         let budget = Budget::Samples(self.options.spp);
-        let settings = Settings { tolerance: Some(tolerance), budget, ..self.options.settings };
+        let interpolation = self.status.interpolation;
+        let settings = Settings { tolerance: Some(tolerance), budget, interpolation, ..self.options.settings };
         let fine = Rendering::new(self.world, policy, &settings);
         let hasty = fine.clone().hasty();
         let work = Work { fine: &fine, hasty: &hasty, tolerance };

@@ -1,6 +1,7 @@
 //! What a page may ask for.
 
 use crate::image::view::View;
+use crate::integrator::cached::Interpolation;
 use serde::{Deserialize, Serialize};
 
 /// Largest angle of a turn, radian, and way of a step, seconds of walking: what a hand does between two frames is less.
@@ -52,6 +53,11 @@ pub enum Command {
     Method {
         /// One of the menu.
         name: String,
+    },
+    /// Who sums the records of a pixel.
+    Interpolation {
+        /// Its name.
+        name: Interpolation,
     },
     /// Another quality of records.
     Tau {
@@ -199,6 +205,7 @@ mod tests {
             r#"{"do": "home"}"#,
             r#"{"do": "method", "name": "path"}"#,
             r#"{"do": "view", "name": "agx"}"#,
+            r#"{"do": "interpolation", "name": "splat"}"#,
             r#"{"do": "tau", "tau": 0.1}"#,
         ] {
             assert_eq!(check(good), Ok(()), "{good}");
@@ -215,6 +222,7 @@ mod tests {
             r#"{"do": "exposure", "stops": 1e30}"#,
             r#"{"do": "method", "name": "magic"}"#,
             r#"{"do": "view", "name": "../x"}"#,
+            r#"{"do": "interpolation", "name": "both"}"#,
             r#"{"do": "denoise", "on": true}"#,
             r#"{"do": "home", "file": "/etc/passwd"}"#,
             r#"{"do": "fly"}"#,

@@ -2,7 +2,7 @@
 
 use super::command::{Command, Shown};
 use crate::inspect::overlay::Marks;
-use crate::integrator::cached::Halt;
+use crate::integrator::cached::{Halt, Interpolation};
 use serde::Serialize;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
@@ -40,6 +40,7 @@ pub(super) struct Orders {
     pub hurry: Option<f64>,
     pub home: bool,
     pub method: Option<String>,
+    pub interpolation: Option<Interpolation>,
     pub tau: Option<f32>,
     pub stops: Option<f32>,
     pub view: Option<Shown>,
@@ -93,6 +94,10 @@ impl Desk {
             }
             Command::Method { name } => {
                 orders.method = Some(name);
+                true
+            }
+            Command::Interpolation { name } => {
+                orders.interpolation = Some(name);
                 true
             }
             Command::Tau { tau } => {

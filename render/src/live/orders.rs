@@ -74,6 +74,10 @@ impl Session<'_> {
             (self.engine, change.engine) = (engine, true);
             self.status.method.clone_from(&self.options.engines[engine].name);
         }
+        let interpolation = &mut self.status.interpolation;
+        if let Some(other) = orders.interpolation.filter(|other| other != interpolation) {
+            (*interpolation, change.engine) = (other, true);
+        }
         if let Some(tau) = orders.tau.filter(|tau| *tau != self.status.tau) {
             (self.status.tau, change.engine) = (tau, true);
             // Records of any other τ are not asked for again soon, but for those that a file may keep.

@@ -138,6 +138,7 @@ impl<'a> Session<'a> {
             records: 0,
             bytes: 0,
             method: options.engines[engine].name.clone(),
+            interpolation: options.settings.interpolation,
             tau: options.tolerance,
             stops: options.stops,
             view: options.view.into(),

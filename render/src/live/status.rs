@@ -1,7 +1,7 @@
 //! What a page is told of a frame.
 
 use super::command::Shown;
-use crate::integrator::cached::Caches;
+use crate::integrator::cached::{Caches, Interpolation};
 use serde::Serialize;
 
 /// What is being done.
@@ -39,6 +39,8 @@ pub struct Status {
     pub bytes: usize,
     /// Name of the method.
     pub method: String,
+    /// Who sums the records of a pixel.
+    pub interpolation: Interpolation,
     /// τ.
     pub tau: f32,
     /// Stops.

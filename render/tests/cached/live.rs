@@ -6,7 +6,7 @@ use render::image::Image;
 use render::image::view::View;
 use render::integrator::PathTracer;
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Caches, Settings, render_cached};
+use render::integrator::cached::{Caches, Interpolation, Settings, render_cached};
 use render::live::{Answer, Audience, Command, Desk, Engine, Frame, Navigator, Options, Session, Stage};
 use render::picture::{Budget, Picture};
 use render::scene::FovAxis;
@@ -91,14 +91,16 @@ fn a_view_comes_to_rest_at_the_picture_of_render_image() {
     let mut world = world("cornell-glossy.xml", &[("width", "32"), ("height", "32")]);
     let name = |name: &str| Command::Method { name: name.into() };
     let away = [Command::Turn { yaw: 0.1, pitch: -0.05 }, Command::Step { forward: 0.3, right: 0.2, up: 0.1 }];
-    let orders = vec![vec![name("path")], vec![name("auto")], away.to_vec(), vec![Command::Home {}]];
+    let splat = Command::Interpolation { name: Interpolation::Splat };
+    let orders = vec![vec![name("path")], vec![name("auto")], vec![splat], away.to_vec(), vec![Command::Home {}]];
     let (pictures, _, stages, caches) = run(&world, orders);
-    let [first, path, again, moved, home] = &pictures[..] else { panic!("{} pictures", pictures.len()) };
+    let [first, path, again, drawn, moved, home] = &pictures[..] else { panic!("{} pictures", pictures.len()) };
 
     let policy = policy(&world);
     let (expected, _, filled) = render_cached(&world, &policy, &settings(), None, &|_| ());
     assert!(first.image() == expected.image(), "the same records, samples and sums");
     assert!(again.image() == expected.image());
+    assert!(drawn.image() == expected.image(), "the same records, drawn onto the pixels");
     assert!(caches.records() > filled.records(), "the view that moved got its own");
 
     let tracer = PathTracer { settings: world.scene.integrator, indirect_only: false };

@@ -4,9 +4,11 @@ use super::caches::Caches;
 use super::kinds::{self, EachKind, Listed};
 use super::reading::Reading;
 use core::convert::Infallible;
+use serde::{Deserialize, Serialize};
 
 /// Who sums the records of a pixel. The pictures are the same to the last bit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
     /// Whoever is faster.
     #[default]

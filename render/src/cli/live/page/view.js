@@ -29,6 +29,7 @@ const placeOf = (tau) => (100 * Math.log(tau / menu.taus[0])) / Math.log(menu.ta
 const short = (x) => String(Number(x.toPrecision(2)));
 
 $("method").addEventListener("change", () => send({ do: "method", name: $("method").value }));
+$("interpolation").addEventListener("change", () => send({ do: "interpolation", name: $("interpolation").value }));
 $("look").addEventListener("change", () => send({ do: "view", name: $("look").value }));
 $("tau").addEventListener("input", () => { $("tau-out").value = short(tauOf($("tau").value)); });
 $("tau").addEventListener("change", () => send({ do: "tau", tau: Number(tauOf($("tau").value).toPrecision(2)) }));
@@ -127,7 +128,8 @@ function tell(told) {
   set("method", "value", told.method);
   const about = menu.methods.find(([name]) => name === told.method);
   $("about").textContent = about ? about[1].split(";")[0] : "";
-  $("tau").disabled = !cached;
+  $("tau").disabled = $("interpolation").disabled = !cached;
+  set("interpolation", "value", told.interpolation);
   set("tau", "value", placeOf(told.tau));
   if (document.activeElement !== $("tau")) $("tau-out").value = short(told.tau);
   set("stops", "value", told.stops);
