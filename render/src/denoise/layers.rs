@@ -23,7 +23,7 @@ pub struct Layers {
     pub height: usize,
     /// Samples of a pixel.
     pub spp: u32,
-    /// Light that was scattered once; where indirect light comes from records, all scattered light. `None` where all is black.
+        /// Light that was scattered once, or all scattered light. `None` where all is black.
     pub direct: Option<Layer>,
     /// Light that was scattered more often, if that is apart.
     pub indirect: Option<Layer>,
@@ -31,16 +31,19 @@ pub struct Layers {
     pub albedo: Vec<[f32; 3]>,
     /// Mean of its unit normals; zero where there is none.
     pub normal: Vec<[f32; 3]>,
-    /// Whether albedo and normals have little noise.
+        /// Whether albedo and normals have little noise.
     pub clean_guides: bool,
+    /// Whether `direct` is all scattered light.
+    pub together: bool,
 }
 
 impl Layers {
-    /// Of a rendering.
-    pub fn new(picture: &Picture) -> Self {
+        /// Of a rendering; with direct and indirect light `together`, or as is best.
+    pub fn new(picture: &Picture, together: bool) -> Self {
         // Two kinds of noise are taken away better apart, and noise better in the midst of light that has none.
+        let together = together || picture.from_records;
         let scattered = |p: &Pixel| p.sum().direct.sum() + p.sum().indirect.sum();
-        let (direct, indirect) = if picture.from_records {
+        let (direct, indirect) = if together {
             (Layer::new(picture, |p| sum_of_halves(p.half), scattered), None)
         } else {
             (
@@ -57,7 +60,9 @@ impl Layers {
             indirect,
             albedo,
             normal: picture.mean(|p| p.sum().normal),
-            clean_guides: picture.spp.max(picture.outline_rays) >= GUIDE_RAYS,
+                        clean_guides: picture.spp.max(picture.outline_rays) >= GUIDE_RAYS,
+            together,
+
         }
     }
 
@@ -75,7 +80,8 @@ impl Layers {
             indirect: layer(41),
             albedo: pixels(1),
             normal: pixels(1),
-            clean_guides: true,
+                        clean_guides: true,
+            together: false,
         }
     }
 
@@ -93,7 +99,7 @@ impl Layers {
         };
         let pixel = |(i, p): (usize, &Pixel)| {
             let (direct, indirect) = (p.sum().direct.sum() * scale, p.sum().indirect.sum() * scale);
-            let scattered = if picture.from_records {
+            let scattered = if self.together {
                 at(&light[0], i, direct + indirect)
             } else {
                 at(&light[0], i, direct) + at(&light[1], i, indirect)

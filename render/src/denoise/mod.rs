@@ -102,9 +102,9 @@ impl Denoiser {
     /// # Errors
     /// A library that fails; the picture is as it was.
     pub fn denoise(&self, picture: &mut Picture, effort: Effort) -> Result<Bounded, DenoiseError> {
-        let mut layers = Layers::new(picture);
+                let effort = if self.is_builtin() { Effort::Low } else { effort };
+        let mut layers = Layers::new(picture, effort == Effort::Together);
         let bounded = fireflies::bound(&mut layers);
-        let effort = if self.is_builtin() { Effort::Low } else { effort };
         let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;
         picture.denoised = Some(layers.merge(picture, &light));
         Ok(bounded)

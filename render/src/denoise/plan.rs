@@ -12,12 +12,14 @@ pub enum Effort {
     Least,
     /// Its usual one.
     Low,
-    /// Its large one.
+        /// Its large one.
     High,
+    /// The fast network, with direct and indirect light in one piece.
+    Together,
 }
 
 /// All, the best first.
-pub(super) const EFFORTS: [Effort; 3] = [Effort::High, Effort::Low, Effort::Least];
+pub(super) const EFFORTS: [Effort; 4] = [Effort::High, Effort::Low, Effort::Least, Effort::Together];
 
 impl Effort {
     /// Time for so many layers, in that of the usual network for one layer (measured: .48 to .51 for the fast one, 2.3 to 2.6 for
@@ -27,16 +29,21 @@ impl Effort {
         match self {
             Self::Least => 0.5 * layers,
             Self::Low => layers,
-            Self::High => 2.5 * layers,
+                        Self::High => 2.5 * layers,
+            Self::Together => 0.5,
+
         }
     }
 
     /// Largest share of a time budget that it is worth. Measured with clean guides, 2 and 8 samples, three rooms: the large network
     /// has .88 to 1 of the error of the usual one, the fast one 1.07 to 1.2 times that; samples that the same time would buy
-    /// lower it with time^−0.5 to time^−0.7.
+        /// lower it with time^−0.5 to time^−0.7. Where two layers of the fast one would take half of a budget, one of both leaves time for
+    /// a third to a half more samples, and keeps the budget.
     fn worth(self) -> f64 {
         match self {
-            Self::Least => 1.0,
+            Self::Together => 1.0,
+            Self::Least => 0.5,
+
             Self::Low => 0.4,
             Self::High => 0.1,
         }
@@ -125,8 +132,8 @@ mod tests {
 
     #[test]
     fn effort_follows_the_time() {
-        let efforts = [0.1, 0.51, 4.9, 5.1].map(|s| choose(&EFFORTS, 0.1, 2, Some(s)).effort);
-        assert_eq!(efforts, [Effort::Least, Effort::Low, Effort::Low, Effort::High]);
+                let efforts = [0.1, 0.21, 0.51, 4.9, 5.1].map(|s| choose(&EFFORTS, 0.1, 2, Some(s)).effort);
+        assert_eq!(efforts, [Effort::Together, Effort::Least, Effort::Low, Effort::Low, Effort::High]);
         assert_eq!(choose(&EFFORTS, 0.1, 2, None).effort, Effort::High);
         assert!((choose(&EFFORTS, 0.1, 2, Some(1.0)).seconds - 0.2).abs() < 1e-9);
         assert!((choose(&EFFORTS, 0.1, 2, Some(0.3)).seconds - 0.1).abs() < 1e-9);
