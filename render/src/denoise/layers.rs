@@ -23,7 +23,7 @@ pub struct Layers {
     pub height: usize,
     /// Samples of a pixel.
     pub spp: u32,
-        /// Light that was scattered once, or all scattered light. `None` where all is black.
+    /// Light that was scattered once, or all scattered light. `None` where all is black.
     pub direct: Option<Layer>,
     /// Light that was scattered more often, if that is apart.
     pub indirect: Option<Layer>,
@@ -31,14 +31,14 @@ pub struct Layers {
     pub albedo: Vec<[f32; 3]>,
     /// Mean of its unit normals; zero where there is none.
     pub normal: Vec<[f32; 3]>,
-        /// Whether albedo and normals have little noise.
+    /// Whether albedo and normals have little noise.
     pub clean_guides: bool,
     /// Whether `direct` is all scattered light.
     pub together: bool,
 }
 
 impl Layers {
-        /// Of a rendering; with direct and indirect light `together`, or as is best.
+    /// Of a rendering; with direct and indirect light `together`, or as is best.
     pub fn new(picture: &Picture, together: bool) -> Self {
         // Two kinds of noise are taken away better apart, and noise better in the midst of light that has none.
         let together = together || picture.from_records;
@@ -60,9 +60,8 @@ impl Layers {
             indirect,
             albedo,
             normal: picture.mean(|p| p.sum().normal),
-                        clean_guides: picture.spp.max(picture.outline_rays) >= GUIDE_RAYS,
+            clean_guides: picture.spp.max(picture.outline_rays) >= GUIDE_RAYS,
             together,
-
         }
     }
 
@@ -80,7 +79,7 @@ impl Layers {
             indirect: layer(41),
             albedo: pixels(1),
             normal: pixels(1),
-                        clean_guides: true,
+            clean_guides: true,
             together: false,
         }
     }

@@ -102,7 +102,7 @@ impl Denoiser {
     /// # Errors
     /// A library that fails; the picture is as it was.
     pub fn denoise(&self, picture: &mut Picture, effort: Effort) -> Result<Bounded, DenoiseError> {
-                let effort = if self.is_builtin() { Effort::Low } else { effort };
+        let effort = if self.is_builtin() { Effort::Low } else { effort };
         let mut layers = Layers::new(picture, effort == Effort::Together);
         let bounded = fireflies::bound(&mut layers);
         let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;

@@ -12,7 +12,7 @@ pub enum Effort {
     Least,
     /// Its usual one.
     Low,
-        /// Its large one.
+    /// Its large one.
     High,
     /// The fast network, with direct and indirect light in one piece.
     Together,
@@ -29,15 +29,14 @@ impl Effort {
         match self {
             Self::Least => 0.5 * layers,
             Self::Low => layers,
-                        Self::High => 2.5 * layers,
+            Self::High => 2.5 * layers,
             Self::Together => 0.5,
-
         }
     }
 
     /// Largest share of a time budget that it is worth. Measured with clean guides, 2 and 8 samples, three rooms: the large network
     /// has .88 to 1 of the error of the usual one, the fast one 1.07 to 1.2 times that; samples that the same time would buy
-        /// lower it with time^−0.5 to time^−0.7. Where two layers of the fast one would take half of a budget, one of both leaves time for
+    /// lower it with time^−0.5 to time^−0.7. Where two layers of the fast one would take half of a budget, one of both leaves time for
     /// a third to a half more samples, and keeps the budget.
     fn worth(self) -> f64 {
         match self {
@@ -132,7 +131,7 @@ mod tests {
 
     #[test]
     fn effort_follows_the_time() {
-                let efforts = [0.1, 0.21, 0.51, 4.9, 5.1].map(|s| choose(&EFFORTS, 0.1, 2, Some(s)).effort);
+        let efforts = [0.1, 0.21, 0.51, 4.9, 5.1].map(|s| choose(&EFFORTS, 0.1, 2, Some(s)).effort);
         assert_eq!(efforts, [Effort::Together, Effort::Least, Effort::Low, Effort::Low, Effort::High]);
         assert_eq!(choose(&EFFORTS, 0.1, 2, None).effort, Effort::High);
         assert!((choose(&EFFORTS, 0.1, 2, Some(1.0)).seconds - 0.2).abs() < 1e-9);

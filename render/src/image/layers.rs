@@ -6,6 +6,7 @@ use super::ImageError;
 use super::write::{Look, content};
 use crate::picture::{Picture, Pixel};
 use crate::scene::Rgb;
+use core::ops::Range;
 use exr::block::lines::LineRefMut;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::math::RoundingMode;
@@ -80,9 +81,18 @@ struct Values<'a> {
     /// In front of the names of its channels.
     prefix: &'static str,
     channels: &'static [&'static str],
-    value: Box<dyn Fn(usize) -> Rgb + Sync + 'a>,
+    channel: Box<dyn Fn(Range<usize>, usize) -> Vec<f32> + Sync + 'a>,
     /// Whether half precision will do: 11 bits.
     half: bool,
+}
+
+/// One channel of a value at some pixels: only what it is made of is computed.
+fn channel<'a>(value: impl Fn(usize) -> Rgb + Sync + 'a) -> Box<dyn Fn(Range<usize>, usize) -> Vec<f32> + Sync + 'a> {
+    Box::new(move |pixels, channel| match channel {
+        0 => pixels.map(|i| value(i).x).collect(),
+        1 => pixels.map(|i| value(i).y).collect(),
+        _ => pixels.map(|i| value(i).z).collect(),
+    })
 }
 
 /// Layers of a picture in which half precision does not do: what others measure, and distances.
@@ -91,7 +101,7 @@ fn exact<'a>(
     channels: &'static [&'static str],
     value: impl Fn(usize) -> Rgb + Sync + 'a,
 ) -> Values<'a> {
-    Values { prefix, channels, value: Box::new(value), half: false }
+    Values { prefix, channels, channel: channel(value), half: false }
 }
 
 /// Largest and smallest brightness of a layer's brightest pixel for half precision, whose largest number is 65504 and whose steps
@@ -108,7 +118,7 @@ fn rounded<'a>(
     let largest =
         (0..picture.pixels.len()).into_par_iter().map(|i| value(i).abs().max_element()).reduce(|| 0.0, f32::max);
     let half = largest == 0.0 || (HALF[0]..=HALF[1]).contains(&largest);
-    Values { prefix, channels, value: Box::new(value), half }
+    Values { prefix, channels, channel: channel(value), half }
 }
 
 /// The picture and the layers that were asked for.
@@ -186,10 +196,10 @@ impl SamplesWriter for Channel<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let at = line.location.position;
         let start = at.y() * self.width + at.x();
-        let value = |i: usize| (self.layer.value)(start + i)[self.index];
+        let values = (self.layer.channel)(start..start + line.location.sample_count, self.index);
         let written = match self.layer.half {
-            true => line.write_samples(|i| f16::from_f32(value(i))),
-            false => line.write_samples(value),
+            true => line.write_samples(|i| f16::from_f32(values[i])),
+            false => line.write_samples(|i| values[i]),
         };
         // A line of memory has the room that the writer itself asked for.
         debug_assert!(written.is_ok());

@@ -86,7 +86,7 @@ impl Device {
     pub(super) fn denoise(&self, layers: &Layers, effort: Effort) -> Result<[Option<Vec<[f32; 3]>>; 2], DenoiseError> {
         let size = [layers.width, layers.height];
         let (clean_guides, quality) = match effort {
-                        Effort::Least | Effort::Together if self.version >= WITH_FAST => (layers.clean_guides, QUALITY_FAST),
+            Effort::Least | Effort::Together if self.version >= WITH_FAST => (layers.clean_guides, QUALITY_FAST),
             Effort::Least | Effort::Together | Effort::Low => (layers.clean_guides, QUALITY_BALANCED),
             // The larger network of OIDN is the one for clean guides at high quality.
             Effort::High => (true, QUALITY_HIGH),

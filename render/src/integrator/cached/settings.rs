@@ -53,7 +53,7 @@ pub struct Knobs {
     /// Spacing of irradiance records. Closer ones follow contact shadows. Where light bends, `curvature` bounds the radius first:
     /// the scale and the largest radius count on what is smooth and far from all else.
     pub irradiance: RadiusPolicy,
-        /// Rays of a coarse irradiance record. Every gather averages over many, but all average over the same: what is left is a bias
+    /// Rays of a coarse irradiance record. Every gather averages over many, but all average over the same: what is left is a bias
     /// of the whole picture, one to three percent at a tenth of the rays of the others, none in the box at a fifth.
     pub coarse_rays: f32,
     /// Spacing of those. About twice as far as that of the others: closer ones buy nothing, twice as far costs a tenth.
