@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 pub use npy::npy;
 pub use picture::{exr, exr_rgb};
-pub use shader::{Shader, wgsl};
+pub use shader::wgsl;
 
 /// Nodes along each axis.
 #[derive(Clone, Copy, Debug)]
