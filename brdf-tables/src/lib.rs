@@ -39,7 +39,7 @@
 //! - [`family`]: tables of whatever roughness without a fit.
 //!
 //! Features, on by default: `fs` ([`Table::load`] and [`Table::save`]), `families` (the families that are shipped, 0.2 MB). Off by
-//! default: `measured` (readers of files of measured materials).
+//! default: `measured` (readers of files of measured materials), `wgsl` (look-ups in shaders).
 
 pub mod axis;
 pub mod batch;
@@ -66,6 +66,8 @@ pub mod quadrature;
 #[doc(hidden)]
 pub mod real;
 pub mod table;
+#[cfg(feature = "wgsl")]
+pub mod wgsl;
 pub mod zonal;
 
 pub use batch::CapBatch;

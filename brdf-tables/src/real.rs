@@ -16,10 +16,50 @@ pub struct Constant {
     narrow: f32,
 }
 
+#[cfg(feature = "wgsl")]
+impl Constant {
+    pub(crate) fn wide(self) -> f64 {
+        self.wide
+    }
+}
+
 impl From<f64> for Constant {
     fn from(x: f64) -> Self {
         Self { wide: x, narrow: x as f32 }
     }
+}
+
+/// The degree-6 minimax polynomial of 2^f on [−½, ½], the highest coefficient first (relative error 2e-8).
+pub(crate) const EXP2: [f64; 7] =
+    [1.535_336e-4, 1.339_887e-3, 9.618_437e-3, 5.550_332_6e-2, 2.402_264_8e-1, 6.931_472e-1, 1.0];
+/// p of ln(1 + f) = f − f²/2 + f³ p(f) for 1 + f in [√½, √2) (Cephes logf).
+pub(crate) const LN: [f64; 9] = [
+    7.037_683_6e-2,
+    -1.151_461e-1,
+    1.167_699_9e-1,
+    -1.242_014_1e-1,
+    1.424_932_3e-1,
+    -1.666_805_8e-1,
+    2.000_071_5e-1,
+    -2.499_999_4e-1,
+    3.333_333_1e-1,
+];
+/// p of asin x = x + x³ p(x²) for |x| ≤ ½ (Cephes asinf).
+pub(crate) const ASIN: [f64; 5] = [4.216_32e-2, 2.418_131_1e-2, 4.547_002_6e-2, 7.495_300_3e-2, 1.666_675_2e-1];
+/// p of sin h = h + h³ p(h²) for |h| ≤ π/2, by its series.
+pub(crate) const SIN: [f64; 5] = [-2.505_210_8e-8, 2.755_731_9e-6, -1.984_127e-4, 8.333_333_3e-3, -1.666_666_7e-1];
+/// cos h in h², likewise.
+pub(crate) const COS: [f64; 7] =
+    [2.087_675_7e-9, -2.755_731_9e-7, 2.480_158_7e-5, -1.388_888_9e-3, 4.166_666_7e-2, -0.5, 1.0];
+
+/// The polynomial with these coefficients, the highest first.
+#[inline(always)]
+fn horner<T: Real, const N: usize>(coefficients: &[f64; N], x: T) -> T {
+    let mut sum = x.lit(coefficients[0]);
+    for c in &coefficients[1..] {
+        sum = sum.mul_add(x, x.lit(*c));
+    }
+    sum
 }
 
 /// A real number, or several of them in lanes.
@@ -240,21 +280,14 @@ impl<S: Simd> Real for f32x16<S> {
         let y = self.approximate_recip();
         y * Real::mul_add(-self, y, self.lit(2.0))
     }
-    /// Magic-number split into integer and fraction, then the degree-6 minimax polynomial of 2^f on [−½, ½]
-    /// (relative error 2e-8).
+    /// Magic-number split into integer and fraction, then [`EXP2`].
     #[inline(always)]
     fn exp2(self) -> Self {
         let x = Real::max(Real::min(self, self.lit(126.0)), self.lit(-126.0));
         let magic = self.lit(12_582_912.0); // 1.5 · 2^23: adding it rounds to an integer held in the low mantissa bits
         let shifted = x + magic;
         let f = x - (shifted - magic);
-        let p = self.lit(1.535_336e-4);
-        let p = Real::mul_add(p, f, self.lit(1.339_887e-3));
-        let p = Real::mul_add(p, f, self.lit(9.618_437e-3));
-        let p = Real::mul_add(p, f, self.lit(5.550_332_6e-2));
-        let p = Real::mul_add(p, f, self.lit(2.402_264_8e-1));
-        let p = Real::mul_add(p, f, self.lit(6.931_472e-1));
-        let p = Real::mul_add(p, f, self.lit(1.0));
+        let p = horner(&EXP2, f);
         let bits: i32x16<S> = shifted.bitcast();
         let scaled: i32x16<S> = p.bitcast::<i32x16<S>>() + (bits << 23);
         Real::select(self.lt(self.lit(-126.0)), self.lit(0.0), scaled.bitcast())
@@ -267,15 +300,7 @@ impl<S: Simd> Real for f32x16<S> {
         let exponent = (bits - 0x3f35_04f3) >> 23;
         let mantissa: Self = (bits - (exponent << 23)).bitcast();
         let f = mantissa - self.lit(1.0);
-        let p = self.lit(7.037_683_6e-2);
-        let p = Real::mul_add(p, f, self.lit(-1.151_461e-1));
-        let p = Real::mul_add(p, f, self.lit(1.167_699_9e-1));
-        let p = Real::mul_add(p, f, self.lit(-1.242_014_1e-1));
-        let p = Real::mul_add(p, f, self.lit(1.424_932_3e-1));
-        let p = Real::mul_add(p, f, self.lit(-1.666_805_8e-1));
-        let p = Real::mul_add(p, f, self.lit(2.000_071_5e-1));
-        let p = Real::mul_add(p, f, self.lit(-2.499_999_4e-1));
-        let p = Real::mul_add(p, f, self.lit(3.333_333_1e-1));
+        let p = horner(&LN, f);
         let z = f * f;
         let ln = Real::mul_add(p * z, f, f - z * self.lit(0.5));
         Real::mul_add(ln, self.lit(core::f64::consts::LOG2_E), exponent.to_float())
@@ -287,11 +312,7 @@ impl<S: Simd> Real for f32x16<S> {
         let large = self.lit(0.5).lt(a);
         let z = Real::select(large, self.lit(0.5) * Real::abs(self.lit(1.0) - a), a * a);
         let x = Real::select(large, Real::sqrt(z), a);
-        let p = self.lit(4.216_32e-2);
-        let p = Real::mul_add(p, z, self.lit(2.418_131_1e-2));
-        let p = Real::mul_add(p, z, self.lit(4.547_002_6e-2));
-        let p = Real::mul_add(p, z, self.lit(7.495_300_3e-2));
-        let p = Real::mul_add(p, z, self.lit(1.666_675_2e-1));
+        let p = horner(&ASIN, z);
         let r = Real::mul_add(p * z, x, x);
         let r = Real::select(large, self.lit(core::f64::consts::FRAC_PI_2) - (r + r), r);
         Real::select(self.lt(self.lit(0.0)), -r, r)
@@ -301,19 +322,9 @@ impl<S: Simd> Real for f32x16<S> {
     fn sin_cos(self) -> (Self, Self) {
         let h = self * self.lit(0.5);
         let z = h * h;
-        let s = self.lit(-2.505_210_8e-8);
-        let s = Real::mul_add(s, z, self.lit(2.755_731_9e-6));
-        let s = Real::mul_add(s, z, self.lit(-1.984_127e-4));
-        let s = Real::mul_add(s, z, self.lit(8.333_333_3e-3));
-        let s = Real::mul_add(s, z, self.lit(-1.666_666_7e-1));
+        let s = horner(&SIN, z);
         let s = Real::mul_add(s * z, h, h);
-        let c = self.lit(2.087_675_7e-9);
-        let c = Real::mul_add(c, z, self.lit(-2.755_731_9e-7));
-        let c = Real::mul_add(c, z, self.lit(2.480_158_7e-5));
-        let c = Real::mul_add(c, z, self.lit(-1.388_888_9e-3));
-        let c = Real::mul_add(c, z, self.lit(4.166_666_7e-2));
-        let c = Real::mul_add(c, z, self.lit(-0.5));
-        let c = Real::mul_add(c, z, self.lit(1.0));
+        let c = horner(&COS, z);
         let two = self.lit(2.0);
         (two * s * c, (c - s) * (c + s))
     }

@@ -22,7 +22,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// Reach of the table beyond the edge of the cap, in lobe widths 1/√n: the lobe is e⁻¹⁵ there.
-const REACH: f64 = 5.5;
+pub(crate) const REACH: f64 = 5.5;
 /// Largest offset and step of the stored numbers, which are of the order of 1.
 const MAX_SCALE: f64 = 1e3;
 /// Rule for the part of a cap below the horizon, which the zonal form includes. Broad lobes come with large caps, and with
@@ -140,6 +140,12 @@ impl Zonal {
     /// Rows (u), columns (v), the packed pairs and their scale, as [`Zonal::new`] takes them.
     pub fn parts(&self) -> (usize, usize, &[u32], [[f64; 2]; 2]) {
         (self.rows, self.columns, &self.cells, self.scale)
+    }
+
+    /// The rule for what the horizon cuts, an index into [`crate::cubature::RULES`].
+    #[cfg(feature = "wgsl")]
+    pub(crate) fn clipping_rule(&self) -> usize {
+        self.clipped.bins().finest()
     }
 
     /// Whether the lobe seen from `wo` reaches the cap (v < 1), by what that costs least to know.

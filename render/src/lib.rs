@@ -9,6 +9,8 @@ pub mod denoise;
 pub mod film;
 pub mod frame;
 pub mod glossy;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod hemisphere;
 pub mod image;
 pub mod inspect;

@@ -74,6 +74,11 @@ impl Lafortune {
         &self.lobes[..self.count]
     }
 
+    /// The one of the largest exponent.
+    pub(crate) fn sharpest(&self) -> [f64; 4] {
+        self.lobes().iter().fold([0.0; 4], |s, l| if l[3] > s[3] { *l } else { s })
+    }
+
     /// Axis of each lobe of wi seen from `wo` (not a unit vector), its exponent, and its integral over the sphere.
     fn seen_from(&self, wo: DVec3) -> impl Iterator<Item = (DVec3, f64, f64)> {
         self.lobes().iter().map(move |&[cx, cy, cz, n]| {
@@ -139,7 +144,7 @@ impl Profile for Lafortune {
 
     /// That of the sharpest lobe: the others are wider.
     fn footprint(&self, view: &Outgoing) -> Footprint {
-        let [cx, cy, cz, n] = self.lobes().iter().fold([0.0; 4], |s, l| if l[3] > s[3] { *l } else { s });
+        let [cx, cy, cz, n] = self.sharpest();
         let (c, s) = view.rotation;
         let x = cx * c * c + cy * s * s;
         Footprint::cosine(view, DVec2::new(x * view.sin_o, cz * view.cos_o), n)

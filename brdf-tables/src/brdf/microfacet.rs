@@ -105,6 +105,11 @@ fn examples(distribution: Distribution) -> Vec<Specular> {
     instances.map(|instance| Specular::Microfacet(model(instance))).to_vec()
 }
 
+/// Walter's rational fit of Beckmann's G₁ in a = cosθ/(α sinθ): (c₀ + c₁ a) a / (1 + c₂ a + c₃ a²), and 1 from its end on.
+pub(crate) const WALTER: [f64; 4] = [3.535, 2.181, 2.276, 2.577];
+/// Where that fit ends.
+pub(crate) const WALTER_END: f64 = 1.6;
+
 /// Reflectance of the facets in a kernel.
 trait Reflectance {
     /// At the cosine between `wi` and the half vector, given the squared length of wi + wo.
@@ -193,12 +198,12 @@ impl<'a, const GGX: bool, R> Facets<'a, GGX, R> {
         if GGX {
             like.lit(2.0) * (w[2] + (w[2].sq() + width2).max(like.lit(1e-30)).sqrt()).recip()
         } else {
-            // Walter's rational fit in a = cosθ/(α sinθ); 1 from a = 1.6 on
             let over_width = width2.max(like.lit(1e-30)).sqrt().recip();
-            let a = (w[2] * over_width).min(like.lit(1.6));
-            let denominator = (a * like.lit(2.577) + like.lit(2.276)) * a + like.lit(1.0);
-            let fit = (a * like.lit(2.181) + like.lit(3.535)) * denominator.recip() * over_width;
-            T::select(a.lt(like.lit(1.6)), fit, w[2].max(like.lit(1e-30)).recip())
+            let [c0, c1, c2, c3] = WALTER.map(|c| like.lit(c));
+            let a = (w[2] * over_width).min(like.lit(WALTER_END));
+            let denominator = (a * c3 + c2) * a + like.lit(1.0);
+            let fit = (a * c1 + c0) * denominator.recip() * over_width;
+            T::select(a.lt(like.lit(WALTER_END)), fit, w[2].max(like.lit(1e-30)).recip())
         }
     }
 }

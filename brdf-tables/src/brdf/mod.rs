@@ -30,6 +30,14 @@ pub use sheen::Sheen;
 pub use specular::{ALL, Specular, Visitor};
 pub use ward::{Ward, WardVariant};
 
+/// Numbers that shaders share with the formulas.
+#[cfg(feature = "wgsl")]
+pub(crate) mod constants {
+    pub(crate) use super::microfacet::{WALTER, WALTER_END};
+    pub(crate) use super::sheen::FLOOR as SHEEN_FLOOR;
+    pub(crate) use super::ward::FLOOR as WARD_FLOOR;
+}
+
 /// Half vector of two directions of the upper hemisphere and the cosine between it and either of them; `None` where one
 /// is below the horizon, or both graze from opposite sides and none exists.
 fn half_vector(wi: DVec3, wo: DVec3) -> Option<(DVec3, f64)> {

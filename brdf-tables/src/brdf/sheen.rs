@@ -21,7 +21,7 @@ pub struct Sheen {
 const MIN_ALPHA: f64 = 0.07;
 
 /// Smallest cosine that V is taken at: nearer to the horizon than 1e-4 rad it has a pole.
-const FLOOR: f64 = 1e-4;
+pub(crate) const FLOOR: f64 = 1e-4;
 
 pub(super) const CHARLIE: Model = Model {
     name: "sheen",
@@ -123,6 +123,15 @@ impl Formula for Fibres {
         let d = sin2.powf(one.constant(self.power)) * one.constant(self.scale);
         let [cos_i, cos_o] = [wi[2], wo[2]].map(|cos| cos.max(one.lit(FLOOR)).min(one));
         d * (cos_i * cos_o * (self.lambda(cos_i) + self.lambda(cos_o) + one)).recip()
+    }
+}
+
+#[cfg(feature = "wgsl")]
+impl Sheen {
+    /// The constants of the formula, as a shader takes them: power and scale of D, a to e of L, 2 L(½).
+    pub(crate) fn numbers(&self) -> [f64; 8] {
+        let Fibres { power, scale, fit: [a, b, c, d, e], twice_middle } = Fibres::new(self);
+        [power, scale, a, b, c, d, e, twice_middle].map(Constant::wide)
     }
 }
 

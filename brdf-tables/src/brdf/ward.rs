@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// Smallest cosᵢ cosₒ, and smallest squared z of wi + wo, that divide: about 1e-4 rad above the horizon, where the
 /// formulas have a pole. Above it nothing changes; below it f_r stays finite in f32 down to α = 1e-3.
-const FLOOR: f64 = 1e-8;
+pub(crate) const FLOOR: f64 = 1e-8;
 
 /// Which normalisation the Gaussian of a [`Ward`] model has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -77,13 +77,13 @@ impl Node {
 
 const CHORD_MASK: u32 = (1 << 14) - 1;
 /// Squared chords are at most 4.
-const CHORD_STEPS: f64 = CHORD_MASK as f64 / 4.0;
+pub(crate) const CHORD_STEPS: f64 = CHORD_MASK as f64 / 4.0;
 
 /// Bins in cosθe, and in the azimuth of an anisotropic material.
-const COSINES: usize = 64;
+pub(crate) const COSINES: usize = 64;
 const AZIMUTHS: usize = 8;
 /// Four bins of heights to an octave: the exponent and two bits of the mantissa.
-const SHIFT: u32 = 21;
+pub(crate) const SHIFT: u32 = 21;
 
 /// The bins.
 #[derive(Clone, PartialEq)]
@@ -210,6 +210,12 @@ impl Bins {
         }
         let finest = nodes.iter().map(|n| n.product).max().unwrap_or(0);
         Ok(Self { azimuths, heights, cells: cells.into(), finest })
+    }
+
+    /// What a shader takes: bins in azimuth, what heights are multiplied by, the bits of their first and last bin, and the cells.
+    #[cfg(feature = "wgsl")]
+    pub(crate) fn parts(&self) -> (usize, f32, [u32; 2], &[u32]) {
+        (self.azimuths, self.heights.scale, [self.heights.first, self.heights.last], &self.cells)
     }
 
     /// The finest product rule.

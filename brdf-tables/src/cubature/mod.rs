@@ -24,6 +24,14 @@ pub use bins::{Node, OUTER};
 pub use rule::{Grid, NONE, RULES, Rule};
 pub use table::Cubature;
 
+/// Numbers that shaders share with the look-up.
+#[cfg(feature = "wgsl")]
+pub(crate) mod constants {
+    pub(crate) use super::bins::{CHORD_STEPS, COSINES, FAR, OUTER, SHIFT};
+}
+#[cfg(feature = "wgsl")]
+pub(crate) use rule::numbers as rule_numbers;
+
 use crate::brdf::{Footprint, Formula};
 use crate::real::Real;
 use core::f64::consts::FRAC_PI_2;

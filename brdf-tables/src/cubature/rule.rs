@@ -119,6 +119,22 @@ impl<L> Nodes<L> {
     }
 }
 
+/// What a shader takes of a rule: whether it is a product, how many numbers a node has, and these numbers: height, weight,
+/// cosine and sine of a node of a disc; node and weight of each of the two rules of a product.
+#[cfg(feature = "wgsl")]
+pub(crate) fn numbers(rule: Rule) -> (bool, usize, Vec<f64>) {
+    match Nodes::new(rule, |x| x) {
+        Nodes::Disc(rings) => {
+            let ring = |r: &Ring<f64>| {
+                let (height, weight) = (r.height, r.weight);
+                r.azimuths.iter().flat_map(move |&(c, s)| [height, weight, c, s]).collect::<Vec<_>>()
+            };
+            (false, 4, rings.iter().flat_map(ring).collect())
+        }
+        Nodes::Product(grid) => (true, 2, grid.outer.iter().flat_map(|&(x, w)| [x, w]).collect()),
+    }
+}
+
 /// Rules on the disc, each ring as (squared radius, weight, nodes, first azimuth over their spacing). The map from the disc
 /// to the cap keeps areas.
 ///

@@ -47,6 +47,12 @@ impl Cubature {
         (self.axes, &self.nodes)
     }
 
+    /// Which rule each cap takes.
+    #[cfg(feature = "wgsl")]
+    pub(crate) fn bins(&self) -> &Bins {
+        &self.bins
+    }
+
     /// One rule of [`RULES`] everywhere.
     ///
     /// # Panics

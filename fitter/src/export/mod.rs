@@ -2,6 +2,7 @@
 
 mod npy;
 mod picture;
+mod shader;
 
 use brdf_tables::axis::Axes;
 use brdf_tables::cap::Cap;
@@ -13,6 +14,7 @@ use serde_json::{Value, json};
 
 pub use npy::npy;
 pub use picture::{exr, exr_rgb};
+pub use shader::wgsl;
 
 /// Nodes along each axis.
 #[derive(Clone, Copy, Debug)]

@@ -102,3 +102,14 @@ fn tables() {
         refused(&mut fitter([command, folder.path().to_str().unwrap()]), &["not a regular file"]);
     }
 }
+
+/// A shader has no grid, and a grid binds nothing.
+#[test]
+fn export_refuses_options_of_another_format() {
+    for (arguments, part) in [
+        (&["--to", "wgsl", "-o", "x.wgsl", "--theta", "5"][..], "--theta has no use with --to wgsl"),
+        (&["--to", "json", "-o", "x.json", "--binding", "1"], "--binding needs --to wgsl"),
+    ] {
+        refused(fitter(["export", "x.tbl"]).args(arguments), &[part]);
+    }
+}

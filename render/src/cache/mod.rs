@@ -13,6 +13,8 @@ pub use fill::{BATCH, Course, Density, Filler, Grid, Progress};
 use glam::Vec3A;
 pub use lookup::Lookup;
 pub use octree::Octree;
+#[cfg(feature = "gpu")]
+pub(crate) use radius::{BEHIND, NORMAL_SPREAD};
 pub use radius::{RadiusPolicy, Spacing, Weight, clamp_to_neighbours, insert_clamped};
 pub use spheres::{Drawn, Near, Spheres};
 

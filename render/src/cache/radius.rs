@@ -113,7 +113,10 @@ pub enum Weight {
 }
 
 /// √(1 − cos 25°).
-const NORMAL_SPREAD: f32 = 0.306;
+pub(crate) const NORMAL_SPREAD: f32 = 0.306;
+
+/// How far behind a record a point may lie, in its radii.
+pub(crate) const BEHIND: f32 = -0.1;
 
 impl Weight {
     /// The weight, 0 where the record does not count: out of its zone, or behind it.
@@ -126,7 +129,7 @@ impl Weight {
             return 0.0;
         }
         // A point behind the record is lit by other things (Ward's test in front, with room for curvature).
-        if offset.dot(normal + record.normal()) < -0.1 * radius {
+        if offset.dot(normal + record.normal()) < BEHIND * radius {
             return 0.0;
         }
         let near = distance2.sqrt() / radius;

@@ -89,6 +89,12 @@ impl Near {
         self.records.is_empty()
     }
 
+    /// Indices of the records, in their order.
+    #[cfg(feature = "gpu")]
+    pub fn records(&self) -> &[u32] {
+        &self.records
+    }
+
     /// Calls `found` with the records whose spheres may hold a point.
     #[inline]
     fn visit(&self, p: Vec3A, mut found: impl FnMut(u32)) {

@@ -47,6 +47,9 @@ pub(super) fn decide(caching: &Caching, world: &World) -> Result<(Policy, Durati
 
 /// Times, records and their size, in words.
 fn report(figures: &Figures) {
+    if figures.card_failed {
+        eprintln!("render: the graphics adapter failed; the processor summed the records");
+    }
     if figures.negative_pixels > 0 {
         eprintln!("render: indirect light is negative in {} pixels: ringing", figures.negative_pixels);
     }

@@ -42,10 +42,12 @@ pub(super) const GRADIENTS: [Choice<Gradients>; 3] = [
 ];
 
 /// Who sums the records of a pixel.
-pub(super) const INTERPOLATIONS: [Choice<Interpolation>; 3] = [
+pub(super) const INTERPOLATIONS: &[Choice<Interpolation>] = &[
     ("auto", Interpolation::Auto, "Whoever is faster"),
     ("octree", Interpolation::Octree, "Pixels look for records, in an octree"),
     ("splat", Interpolation::Splat, "Records are drawn onto the tiles of pixels that they reach (Gautron 2005)"),
+    #[cfg(feature = "gpu")]
+    ("gpu", Interpolation::Gpu, "The same, summed on the graphics card (Vulkan)"),
 ];
 
 /// How a screen shows light.

@@ -75,7 +75,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with = "time")]
     pub(super) cache: Option<PathBuf>,
     /// Who sums the records of a pixel; the picture is the same [default: auto].
-    #[arg(long, value_parser = choices(&INTERPOLATIONS))]
+    #[arg(long, value_parser = choices(INTERPOLATIONS))]
     pub(super) interpolation: Option<Interpolation>,
     /// Samples per pixel [default: what the scene asks for].
     #[arg(long, value_name = "N", conflicts_with_all = ["time", "error"], value_parser = whole(1..=1u32 << 22, ""))]

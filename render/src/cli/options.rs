@@ -2,10 +2,16 @@
 
 use super::image::Args;
 use super::method::Method;
+#[cfg(feature = "gpu")]
+use anyhow::Context;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use render::integrator::cached::GlossyKind;
+#[cfg(feature = "gpu")]
+use render::integrator::cached::Interpolation;
 use render::integrator::cached::kinds::{Eas, Harmonics};
+#[cfg(feature = "gpu")]
+use render::record::eas::Estimator;
 
 /// An option that not every method can use.
 struct Rule {
@@ -75,6 +81,27 @@ pub(super) fn check(args: &Args) -> Result<()> {
             bail!("{option} needs --method {}: {why}", listed(*can));
         }
     }
+    check_card(args)
+}
+
+/// Refuses the graphics card where there is none, or no code for what is to be summed.
+#[cfg(feature = "gpu")]
+fn check_card(args: &Args) -> Result<()> {
+    if args.interpolation == Some(Interpolation::Gpu) {
+        if harmonics(args.method) {
+            bail!("--interpolation gpu needs --method auto, eas or irradiance: harmonics are summed by the processor");
+        }
+        if args.eas == Some(Estimator::Paper) {
+            bail!("--interpolation gpu needs --eas improved: the card has no code for the other");
+        }
+        render::gpu::shared().context("--interpolation gpu")?;
+    }
+    Ok(())
+}
+
+/// Nothing to refuse: the choice is not there.
+#[cfg(not(feature = "gpu"))]
+fn check_card(_: &Args) -> Result<()> {
     Ok(())
 }
 

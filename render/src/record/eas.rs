@@ -39,6 +39,13 @@ pub struct Eas {
 }
 
 impl Eas {
+    /// Its mean normal.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn mean_normal(&self) -> Vec3A {
+        let [u, v] = self.normal.map(f32::from);
+        Vec3A::from_array(unpack_normal(u, v))
+    }
+
     /// Little-endian bytes, for a file.
     pub fn to_bytes(&self) -> [u8; 40] {
         let [dx, dy, dz] = self.direction;
@@ -83,8 +90,8 @@ impl ViewCone {
     pub const ALL: Self = Self { axis: [0.0, 0.0, 1.0], half_angle: core::f32::consts::PI };
     /// Distances from the cone, in lobe widths, up to which a record is as fine as it should be, and from which it says nothing: a
     /// guide divides finely up to two widths about every mirror direction.
-    const FINE: f32 = 1.0;
-    const COARSE: f32 = 3.0;
+    pub(super) const FINE: f32 = 1.0;
+    pub(super) const COARSE: f32 = 3.0;
 
     /// Whether it holds any view.
     #[inline]

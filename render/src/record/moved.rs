@@ -10,10 +10,10 @@ use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::Vec3A;
 
 /// Most a source may grow or shrink on the way to a point of the zone of influence: what is more is not a translation.
-const MAX_RATIO: f64 = 4.0;
+pub(crate) const MAX_RATIO: f64 = 4.0;
 
 /// Smallest squared length of the way to a source, in distances of the source from the record.
-pub(super) const MIN_LENGTH2: f32 = 1e-4;
+pub(crate) const MIN_LENGTH2: f32 = 1e-4;
 
 /// The point to shade.
 #[derive(Clone, Copy, Debug)]

@@ -38,6 +38,17 @@ impl<'a> Reflector<'a> {
         Self::new(table, parts.diffuse, parts.specular)
     }
 
+    /// Colours of the specular part, of light along the half vector and of light that grazes it, and where they follow Schlick's
+    /// formula the grey reflectance at normal incidence that stands for them in the integral.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn colors(&self) -> (Rgb, Rgb, Option<f32>) {
+        let f0 = match self.gray {
+            Some(Fresnel::Schlick { f0 }) => Some(f0[0] as f32),
+            _ => None,
+        };
+        (self.colors.normal, self.colors.grazing, f0)
+    }
+
     /// The specular part for many caps; [`Reflector::tint`] makes it the mean BRDF in sr⁻¹.
     pub fn values(&self, caps: &CapBatch, wo: Vec3A, out: &mut [f32]) {
         match self.gray {

@@ -33,10 +33,10 @@ pub struct Scratch {
 }
 
 /// Sources may cover the hemisphere so many times before their irradiance is scaled down.
-const ROOM: f32 = 1.15;
+pub(crate) const ROOM: f32 = 1.15;
 
 /// Cover, or its inverse, from which on sources are trusted less, and at which they are not at all.
-const TRUSTED: [f32; 2] = [1.2, 2.0];
+pub(crate) const TRUSTED: [f32; 2] = [1.2, 2.0];
 
 /// How far sources are trusted that cover the lobe so many times.
 #[inline]

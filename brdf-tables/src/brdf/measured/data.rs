@@ -93,6 +93,12 @@ impl Data {
         Ok(Self { stored, shape: lattice, pairs, tint, checksum, checksum_text: format!("{checksum:08x}") })
     }
 
+    /// Pairs of neighbours along φd, the first in the low half.
+    #[cfg(feature = "wgsl")]
+    pub fn pairs(&self) -> &[u32] {
+        &self.pairs
+    }
+
     /// f_r in sr⁻¹ at unit coordinates.
     #[inline(always)]
     pub fn value<T: Real>(&self, x: [T; 3]) -> T {

@@ -70,6 +70,12 @@ impl Measured {
         if mean > 0.0 { sum.map(|t| t / mean) } else { [1.0; 3] }
     }
 
+    /// What a shader takes: nodes, the logarithms that 0 and 65535 stand for, and pairs of neighbours.
+    #[cfg(feature = "wgsl")]
+    pub(crate) fn numbers(&self) -> ([usize; 3], [f64; 2], &[u32]) {
+        (self.lattice(), self.0.stored.range, self.0.pairs())
+    }
+
     fn facets(&self) -> Microfacet {
         let alpha = self.0.stored.alpha;
         Microfacet { distribution: Distribution::Ggx, alpha_x: alpha, alpha_y: alpha, fresnel: Fresnel::None }

@@ -80,6 +80,12 @@ impl Finish {
         Self { treatment, ..self }
     }
 
+    /// The first and the last class of the records that serve it.
+    #[cfg(feature = "gpu")]
+    pub(super) fn classes(&self) -> (u32, u32) {
+        (self.first, self.class)
+    }
+
     /// Whether records of a class serve this surface.
     #[inline(always)]
     pub fn reads(&self, class: u32) -> bool {

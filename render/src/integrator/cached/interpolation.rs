@@ -6,7 +6,8 @@ use super::reading::Reading;
 use core::convert::Infallible;
 use serde::{Deserialize, Serialize};
 
-/// Who sums the records of a pixel. The pictures are the same to the last bit.
+/// Who sums the records of a pixel. The pictures of the processor are the same to the last bit, those of the card to 10⁻⁴ of their
+/// mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
@@ -17,9 +18,21 @@ pub enum Interpolation {
     Octree,
     /// Records are drawn onto the tiles of pixels that they reach (Gautron et al. 2005).
     Splat,
+    /// Records are drawn onto tiles, and summed on the graphics card ([`crate::gpu::shared`]).
+    #[cfg(feature = "gpu")]
+    Gpu,
 }
 
 impl Interpolation {
+    /// Whether the graphics card sums.
+    pub(super) fn is_on_card(self) -> bool {
+        #[cfg(feature = "gpu")]
+        let on_card = self == Self::Gpu;
+        #[cfg(not(feature = "gpu"))]
+        let on_card = false;
+        on_card
+    }
+
     /// Whether records are drawn. It pays for those that surfaces read together, where all pixels read them: to find records is too
     /// small a part of the time to matter (`doc/measurements.md`, splatting).
     pub(super) fn splats(self, caches: &Caches, reading: Reading) -> bool {
@@ -29,6 +42,8 @@ impl Interpolation {
             Self::Auto => reading == Reading::Every && together.any,
             Self::Octree => false,
             Self::Splat => true,
+            #[cfg(feature = "gpu")]
+            Self::Gpu => true,
         }
     }
 }

@@ -3,6 +3,8 @@
 mod budget;
 mod build;
 mod caches;
+#[cfg(feature = "gpu")]
+mod card;
 mod components;
 mod diffuse;
 mod drawn;
@@ -124,8 +126,8 @@ pub fn render_with(
     let Filled { tolerance, caches } = search.run(kept);
     let filled = Instant::now();
     let shading = |x: f64| progress(FILL_SHARE + (1.0 - FILL_SHARE) * x);
-    let (picture, Shading { negative_pixels, indirect }) =
+    let (picture, Shading { negative_pixels, indirect, card_failed }) =
         rendering.shade(world, tolerance, &caches, (settings.budget, settings.seed), start, &shading);
     let times = Figures { fill: filled - start, shade: filled.elapsed(), ..Figures::of(&caches, tolerance) };
-    (picture, Figures { negative_pixels, indirect, ..times }, caches)
+    (picture, Figures { negative_pixels, indirect, card_failed, ..times }, caches)
 }

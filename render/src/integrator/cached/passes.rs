@@ -2,6 +2,9 @@
 //! them are used up, then indirect light once per surface in a pixel.
 
 use super::Settings;
+#[cfg(feature = "gpu")]
+use super::card::Card;
+use super::kind::Found;
 use super::kinds::Scratches;
 use super::pace::{PASS, Pace, TRIAL_ROWS};
 use super::progressive::{Halt, Sums};
@@ -10,6 +13,7 @@ use super::report::Shading;
 use super::shade::Shader;
 use super::sparse;
 use super::splat::{SIDE, Splats};
+use super::surface::Surface;
 use super::tiles::{Memory, Reader};
 use crate::camera::RayGenerator;
 use crate::picture::{Budget, Picture, Pixel, first_half};
@@ -20,7 +24,7 @@ use crate::world::{Counts, Queries};
 use fearless_simd::Level;
 use rayon::prelude::*;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Share of the progress that direct light takes.
@@ -52,6 +56,11 @@ pub(super) struct Passes<'a> {
     sums: Sums,
     /// The records on the film, where they are drawn onto it; made when light is first read.
     splats: OnceLock<Option<Splats>>,
+    /// The records on the graphics card, where it sums them; `None` if it failed.
+    #[cfg(feature = "gpu")]
+    card: OnceLock<Option<Card<'a>>>,
+    /// Whether the card was to sum and did not.
+    card_failed: AtomicBool,
     /// Asks it to leave off: what it sums is then of no use.
     halt: Option<&'a Halt>,
 }
@@ -73,7 +82,19 @@ impl<'a> Passes<'a> {
         halt: Option<&'a Halt>,
     ) -> Self {
         let (generator, window, lens) = (RayGenerator::new(camera), camera.film.window(), camera.lens.is_some());
-        Self { shader, settings, camera: generator, window, lens, sums, splats: OnceLock::new(), halt }
+        Self {
+            shader,
+            settings,
+            camera: generator,
+            window,
+            lens,
+            sums,
+            splats: OnceLock::new(),
+            #[cfg(feature = "gpu")]
+            card: OnceLock::new(),
+            card_failed: AtomicBool::new(false),
+            halt,
+        }
     }
 
     /// What has been summed.
@@ -108,9 +129,10 @@ impl<'a> Passes<'a> {
         }
         let reading = Instant::now();
         let negative_pixels = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
+        let card_failed = self.card_failed.load(Ordering::Relaxed);
         let Self { window, sums: Sums { pixels, spp, counts, .. }, .. } = self;
         let picture = Picture::of(window, pixels, spp, counts, true);
-        (picture, Shading { negative_pixels, indirect: reading.elapsed() })
+        (picture, Shading { negative_pixels, indirect: reading.elapsed(), card_failed })
     }
 
     /// Renders so many samples, strip by strip from the top.
@@ -188,7 +210,9 @@ impl<'a> Passes<'a> {
         rows.par_iter().for_each_init(Memory::default, |memory, &y| {
             let row = y * width..(y + 1) * width;
             let mut pixels = self.sums.pixels[row.clone()].to_vec();
-            reader.rows(self.place(y), width, &mut pixels, (&self.sums.surfaces[row], &unread), memory);
+            let surfaces = &self.sums.surfaces[row];
+            let card = self.on_card(&reader, self.place(y), surfaces);
+            reader.rows(self.place(y), width, &mut pixels, (surfaces, &unread, card.as_deref()), memory);
         });
     }
 
@@ -207,9 +231,12 @@ impl<'a> Passes<'a> {
         let (shader, surfaces, width) = (self.shader, &self.sums.surfaces, self.window.width as usize);
         let known = match shader.reading {
             Reading::Every => vec![None; surfaces.len()],
+            _ if self.settings.interpolation.is_on_card() => vec![None; surfaces.len()],
             Reading::Few | Reading::Rough => sparse::between(shader, surfaces, width),
         };
         let reader = self.reader();
+        let card = self.on_card(&reader, self.place(0), surfaces);
+        let tiles = width.div_ceil(SIDE);
         pixels
             .par_chunks_mut(SIDE * width)
             .zip(surfaces.par_chunks(SIDE * width).zip(known.par_chunks(SIDE * width)))
@@ -218,7 +245,9 @@ impl<'a> Passes<'a> {
                 if self.is_halted() {
                     return Default::default();
                 }
-                let found = reader.rows(self.place(SIDE * band), width, pixels, surfaces, memory);
+                let card = card.as_ref().map(|card| &card[band * tiles..][..tiles]);
+                let work = (surfaces.0, surfaces.1, card);
+                let found = reader.rows(self.place(SIDE * band), width, pixels, work, memory);
                 let here = (pixels.len() / width) as u64;
                 let done = rows.fetch_add(here, Ordering::Relaxed) + here;
                 progress(done as f64 / f64::from(self.window.height));
@@ -232,6 +261,24 @@ impl<'a> Passes<'a> {
         let drawn = settings.interpolation.splats(shader.caches, shader.reading);
         let splats = splats.get_or_init(|| drawn.then(|| Splats::new(shader.caches, camera, *lens)));
         Reader { shader, splats: splats.as_ref(), seed: settings.seed, spp: sums.spp }
+    }
+
+    /// What the graphics card says of the surfaces of whole rows, by tile, where it is to sum the records and can.
+    #[cfg(feature = "gpu")]
+    fn on_card(&self, reader: &Reader, place: (u32, u32), surfaces: &[Vec<Surface>]) -> Option<Vec<Vec<Found>>> {
+        let splats = reader.splats.filter(|_| self.settings.interpolation.is_on_card())?;
+        let card = self.card.get_or_init(|| Card::new(self.shader).ok());
+        let found = card.as_ref().and_then(|c| c.found(splats, place, self.window.width as usize, surfaces).ok());
+        if found.is_none() {
+            self.card_failed.store(true, Ordering::Relaxed);
+        }
+        found
+    }
+
+    /// The same without one.
+    #[cfg(not(feature = "gpu"))]
+    fn on_card(&self, _: &Reader, _: (u32, u32), _: &[Vec<Surface>]) -> Option<Vec<Vec<Found>>> {
+        None
     }
 
     /// Film coordinates of the first pixel of a row.

@@ -20,6 +20,8 @@ pub struct Figures {
     pub irradiance_records: usize,
     /// Pixels whose indirect light is negative in some channel: ringing.
     pub negative_pixels: u64,
+    /// As [`Shading::card_failed`].
+    pub card_failed: bool,
     /// Bytes of all records.
     pub bytes: usize,
     /// τ in force.
@@ -33,6 +35,8 @@ pub struct Shading {
     pub negative_pixels: u64,
     /// Time for the indirect light of all surfaces.
     pub indirect: Duration,
+    /// Whether the graphics card was to sum records and failed: then the processor summed them.
+    pub card_failed: bool,
 }
 
 impl Figures {

@@ -2,7 +2,7 @@
 //! once per surface that the pixel shows.
 
 use super::caches::Caches;
-use super::diffuse::interpolated;
+use super::diffuse::{Interpolated, interpolated};
 use super::incident::{IncidentTracer, sample_light};
 use super::indirect::Indirect;
 use super::kind::{Found, Shaded};
@@ -281,6 +281,12 @@ impl Shader<'_> {
     pub(super) fn diffuse(&self, s: &Surface, parts: &Parts, records: &impl Lookup<IrradianceRecord>) -> Found {
         let normal = s.mean_normal();
         let found = interpolated(records, s.mean_position(), s.point.hemisphere_normal(), normal);
+        Self::diffuse_found(s, parts, found)
+    }
+
+    /// The same of what they add up to.
+    #[inline(always)]
+    pub(super) fn diffuse_found(s: &Surface, parts: &Parts, found: Option<Interpolated>) -> Found {
         let light = found.map(|e| Split { diffuse: parts.diffuse * mean_radiance(e.irradiance), glossy: Rgb::ZERO });
         let doubt = f32::from(u8::from(found.is_some_and(|e| s.is_hidden_from(e.radius))));
         Found { light, traced: doubt, doubt }

@@ -32,6 +32,9 @@ pub(super) struct Reader<'a> {
     pub spp: u32,
 }
 
+/// What the card says of the surfaces of each tile of a band, from the left; without one the processor looks.
+pub(super) type OnCard<'a> = Option<&'a [Vec<Found>]>;
+
 /// Light of records that is known, for all samples of each pixel.
 pub(super) type Known = Option<Split>;
 
@@ -43,12 +46,13 @@ impl Reader<'_> {
         place: (u32, u32),
         width: usize,
         pixels: &mut [Pixel],
-        (surfaces, known): (&[Vec<Surface>], &[Known]),
+        (surfaces, known, card): (&[Vec<Surface>], &[Known], OnCard),
         memory: &mut Memory,
     ) -> (Counts, u64) {
         let (mut queries, mut negative) = (Queries::default(), 0);
         let Memory { scratch, tile } = memory;
-        if let Some(splats) = self.splats {
+        let splats = self.splats.filter(|_| card.is_none());
+        if let Some(splats) = splats {
             splats.enter(place.1..place.1 + surfaces.len().div_ceil(width) as u32, tile);
         }
         for left in (0..width).step_by(SIDE) {
@@ -56,7 +60,7 @@ impl Reader<'_> {
             let rows = surfaces.chunks(width).map(|row| &row[columns.clone()]);
             let known = known.chunks(width).map(|row| &row[columns.clone()]);
             let start = (place.0 + left as u32, place.1);
-            let mut on_tile = self.splats.map(|splats| {
+            let mut on_tile = splats.map(|splats| {
                 let pixels = rows.clone().flatten().zip(known.clone().flatten());
                 let all = pixels.filter(|(_, known)| known.is_none()).flat_map(|(surfaces, _)| surfaces);
                 let all: Vec<&Surface> = all.filter(|s| self.shader.has_indirect(s)).collect();
@@ -64,6 +68,9 @@ impl Reader<'_> {
                 splats.draw(&Crop { x: start.0, y: start.1, width, height }, &all, tile);
                 drawn::found(self.shader, tile, &all, scratch).into_iter()
             });
+            if let Some(card) = card {
+                on_tile = Some(card[left / SIDE].clone().into_iter());
+            }
             let pixels = pixels.chunks_mut(width).map(|row| &mut row[columns.clone()]);
             for (y, ((row, surfaces), known)) in (start.1..).zip(pixels.zip(rows).zip(known)) {
                 let (place, row) = ((start.0, y), (row, surfaces, known));

@@ -22,6 +22,8 @@ use brdf_tables::material::Material as Recipe;
 use brdf_tables::real::LANES;
 use brdf_tables::table::Table;
 use glam::Vec3A;
+#[cfg(feature = "gpu")]
+pub(in crate::integrator::cached) use shade::Sum;
 pub use want::{Held, Lobe, Sharpness};
 
 /// Tables of a scene's materials.

@@ -82,7 +82,7 @@ impl Eas {
 }
 
 /// Sums over the records about a point.
-struct Sum {
+pub(in crate::integrator::cached) struct Sum {
     /// Direction that the lobe is about, world space.
     mirror: Vec3A,
     /// `trust` is the weight of the specular sum.
@@ -102,6 +102,18 @@ impl Sum {
         Self { mirror, reflected: Reflected::default(), weights: 0.0, seen: 0.0, others: false }
     }
 
+    /// As another has summed it: irradiance with its weight, the specular part with its own, that of the records made for such a
+    /// view, and whether there are others.
+    #[cfg(feature = "gpu")]
+    pub(in crate::integrator::cached) fn of(
+        (irradiance, weights): (Rgb, f32),
+        (specular, trust): (Rgb, f32),
+        seen: f32,
+        others: bool,
+    ) -> Self {
+        Self { mirror: Vec3A::ZERO, reflected: Reflected { irradiance, specular, trust }, weights, seen, others }
+    }
+
     /// Adds what a record of weight w reflects.
     #[inline(always)]
     fn add(&mut self, record: &EasRecord, part: &Reflected, w: f32, lobe: &Lobe) {
@@ -116,7 +128,7 @@ impl Sum {
 
     /// What the records say together.
     #[inline(always)]
-    fn found(&self, held: Held, parts: &Parts) -> Found {
+    pub(in crate::integrator::cached) fn found(&self, held: Held, parts: &Parts) -> Found {
         let Self { reflected: sum, weights, seen, others, .. } = self;
         let doubt = ((1.0 - sum.trust / seen) - DOUBT) / (1.0 - DOUBT);
         // Where all were made for other views, little is known.

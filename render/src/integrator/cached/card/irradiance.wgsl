@@ -1,0 +1,47 @@
+// Irradiance records at diffuse surfaces.
+
+struct Surface {
+    position: vec3f,
+    hemisphere: vec3f,
+    normal: vec3f,
+}
+
+struct Record {
+    position: vec3f,
+    radius: f32,
+    normal: vec3f,
+    irradiance: vec3f,
+    translation: array<vec3f, 3>,
+    rotation: array<vec3f, 3>,
+}
+
+struct Sums {
+    irradiance: vec3f,
+    radius: f32,
+    weights: f32,
+}
+
+@compute @workgroup_size({{THREADS}})
+fn sum_irradiance(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
+    let tile = tile_of(group);
+    for (var i = thread; i < tile.surfaces; i += {{THREADS}}) {
+        let s = surfaces[tile.first_surface + i];
+        var sum: Sums;
+        for (var k = 0u; k < tile.records; k++) {
+            let r = near[tile.first_record + k];
+            let w = weight(s.position, s.hemisphere, records[r].position, records[r].normal, records[r].radius);
+            if w > 0.0 {
+                let moved = s.position - records[r].position;
+                let turned = cross(records[r].normal, s.normal);
+                var e = records[r].irradiance;
+                for (var c = 0u; c < 3u; c++) {
+                    e[c] += dot(moved, records[r].translation[c]) + dot(turned, records[r].rotation[c]);
+                }
+                sum.irradiance += max(e, vec3f(0.0)) * w;
+                sum.radius += records[r].radius * w;
+                sum.weights += w;
+            }
+        }
+        sums[tile.first_surface + i] = sum;
+    }
+}

@@ -1,0 +1,84 @@
+//! Records summed on a graphics card, or on what stands in for one, against the processor.
+
+use brdf_tables::family;
+use render::gpu::{self, GpuError};
+use render::integrator::cached::policy::{Allowed, Policy};
+use render::integrator::cached::{Interpolation, Rendering, Settings};
+use render::picture::{Budget, Picture};
+use render::record::eas::Estimator;
+use render::scene::load;
+use render::world::World;
+use std::path::Path;
+use std::time::Instant;
+
+const TOLERANCE: f32 = 0.1;
+
+/// A scene of this project, small.
+fn world(scene: &str) -> World {
+    let defines = [("width", "61"), ("height", "45")].map(|(n, v)| (n.into(), v.into())).to_vec();
+    let options = load::Options { defines, ..load::Options::default() };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+    World::new(load::load(&path, &options).expect("the project's scenes load").0).expect("they are valid")
+}
+
+/// Pictures from the same records by each of these, and the number of records.
+fn pictures<const N: usize>(world: &World, allowed: Allowed, by: [Interpolation; N]) -> ([Picture; N], usize) {
+    let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.recipe_text()));
+    let policy = policy.expect("every lobe is of a family");
+    let settings = Settings {
+        tolerance: Some(TOLERANCE),
+        estimator: Estimator::Improved,
+        spacing: Default::default(),
+        sources: None,
+        budget: Budget::Samples(4),
+        seed: 1,
+        indirect_only: false,
+        interpolation: Interpolation::Octree,
+    };
+    let caches = Rendering::new(world, &policy, &settings).fill(world, TOLERANCE, None, None, &|_| ());
+    let drawn = by.map(|interpolation| {
+        let rendering = Rendering::new(world, &policy, &Settings { interpolation, ..settings });
+        let (picture, told) = rendering.shade(world, TOLERANCE, &caches, (settings.budget, 5), Instant::now(), &|_| ());
+        assert!(!told.card_failed, "the card failed");
+        picture
+    });
+    (drawn, caches.records())
+}
+
+/// Boxes, floors, walls, objects under a sky, metals, plastics, mirrors: within 10⁻⁴ of the mean of the picture, the same bytes
+/// every time.
+#[test]
+fn pictures_are_those_of_the_processor() {
+    match gpu::shared() {
+        Ok(device) => println!("{}", device.name()),
+        Err(GpuError::NoAdapter) => return eprintln!("skipped: {}", GpuError::NoAdapter),
+        Err(e) => panic!("{e}"),
+    }
+    let mut all = 0;
+    for (scene, allowed) in [
+        ("cornell-glossy.xml", Allowed::Eas),
+        ("cornell-diffuse.xml", Allowed::Irradiance),
+        ("floor-n100.xml", Allowed::Eas),
+        ("materials.xml", Allowed::Auto),
+        ("anisotropic-sphere.xml", Allowed::Auto),
+        ("glossy-wall.xml", Allowed::Eas),
+    ] {
+        let world = world(scene);
+        let by = [Interpolation::Splat, Interpolation::Gpu, Interpolation::Gpu];
+        let ([processor, card, again], records) = pictures(&world, allowed, by);
+        let [a, b, c] = [processor, card, again].map(|picture| picture.image().pixels);
+        assert!(b == c, "{scene}: another picture the second time");
+        let mean = a.iter().flatten().map(|x| f64::from(*x)).sum::<f64>() / (3 * a.len()) as f64;
+        let difference =
+            |(p, q): (&[f32; 3], &[f32; 3])| (0..3).map(|i| f64::from((p[i] - q[i]).abs())).fold(0.0, f64::max);
+        let off: Vec<f64> = a.iter().zip(&b).map(|(p, q)| difference((p, q)) / mean).collect();
+        let (worst, root) = (
+            off.iter().copied().fold(0.0, f64::max),
+            (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt(),
+        );
+        println!("{scene}: {records} records, off by {root:.1e} of the mean, worst pixel {worst:.1e}");
+        assert!(records > 20 && root < 1e-4, "{scene}");
+        all += records;
+    }
+    assert!(all > 500, "{all} records in all");
+}
