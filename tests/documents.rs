@@ -6,9 +6,10 @@ mod links;
 use std::path::{Path, PathBuf};
 
 /// The pages that teach a user, and those of figures, from the root.
-const PAGES: [&str; 9] = [
+const PAGES: [&str; 10] = [
     "README.md",
     "brdf-tables/README.md",
+    "brdf-tables/python/README.md",
     "fitter/README.md",
     "render/README.md",
     "render/farm/README.md",

@@ -27,6 +27,7 @@ use brdf_tables::material::Material;
 use brdf_tables::mean::MeanBrdf;
 use brdf_tables::table::Table;
 use core::f64::consts::{FRAC_PI_2, TAU};
+use core::ops::ControlFlow;
 use fitter::fit::{Choice, Options, TOLERANCE, fit};
 use fitter::solver::SolverKind;
 use glam::DVec3;
@@ -62,7 +63,15 @@ fn fitted(specular: Specular, representation: Choice) -> Table {
 
 fn fitted_with(specular: Specular, representation: Choice, solver: SolverKind, lobes: Option<usize>) -> Table {
     let command = "test".into();
-    let options = Options { representation, solver, lobes, tolerance: TOLERANCE, seed: 1, command, progress: &|_| () };
+    let options = Options {
+        representation,
+        solver,
+        lobes,
+        tolerance: TOLERANCE,
+        seed: 1,
+        command,
+        progress: &|_| ControlFlow::Continue(()),
+    };
     fit(&Material::specular(specular), &options).unwrap()
 }
 

@@ -9,6 +9,7 @@ use brdf_tables::cap::Cap;
 use brdf_tables::errors::Errors;
 use brdf_tables::table::Table;
 use core::f64::consts::PI;
+use core::ops::ControlFlow;
 use fitter::check::{check, errors_of};
 use fitter::fit::{Choice, Options, TOLERANCE, fit};
 use fitter::recipe;
@@ -17,7 +18,15 @@ use std::time::Instant;
 
 fn options(representation: Choice, solver: SolverKind) -> Options<'static> {
     let command = String::from("figures");
-    Options { representation, solver, lobes: None, tolerance: TOLERANCE, seed: 1, command, progress: &|_| {} }
+    Options {
+        representation,
+        solver,
+        lobes: None,
+        tolerance: TOLERANCE,
+        seed: 1,
+        command,
+        progress: &|_| ControlFlow::Continue(()),
+    }
 }
 
 /// The paper's four cases: modified Phong, θe = 45°, rmse_hemi in percent.

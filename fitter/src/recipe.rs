@@ -73,6 +73,9 @@ pub enum RecipeError {
         /// What the model takes.
         accepted: String,
     },
+    /// A lone word that is no material: it is as likely the name of a file.
+    #[error("{0}; nor is there a file of this name")]
+    NoFile(Box<Self>),
 }
 
 impl fmt::Display for Place {
@@ -95,7 +98,25 @@ pub fn material(argument: &str) -> Result<Material, RecipeError> {
     if measured::is_data(argument) {
         return Ok(measured::load(Path::new(argument))?.1);
     }
-    if argument.ends_with(".toml") || Path::new(argument).is_file() { from_file(argument) } else { inline(argument) }
+    if argument.ends_with(".toml") || Path::new(argument).is_file() {
+        return from_file(argument);
+    }
+    inline(argument).map_err(|error| match error {
+        RecipeError::Material { .. } if !argument.contains([':', '=']) => RecipeError::NoFile(error.into()),
+        error => error,
+    })
+}
+
+/// As [`material`], with lines about what was measured.
+///
+/// # Errors
+/// As [`material`].
+pub fn material_with_notes(argument: &str) -> Result<(Material, Vec<String>), RecipeError> {
+    if measured::is_data(argument) {
+        let (_, material, notes) = measured::load(Path::new(argument))?;
+        return Ok((material, notes));
+    }
+    Ok((material(argument)?, Vec::new()))
 }
 
 /// The material of a TOML recipe.

@@ -111,7 +111,7 @@ impl Tables {
             tolerance: TOLERANCE,
             seed: 0,
             command: format!("fitter fit {text}"),
-            progress: &|_| (),
+            progress: &|_| core::ops::ControlFlow::Continue(()),
         };
         let table = fit(recipe, &options).map_err(|source| TableError::Fit { recipe: text.clone(), source })?;
         self.fitting += start.elapsed();

@@ -90,7 +90,7 @@ fn lambert_is_exact_and_not_fitted() {
         tolerance: TOLERANCE,
         seed: 1,
         command,
-        progress: &|_| (),
+        progress: &|_| core::ops::ControlFlow::Continue(()),
     };
     let table = fit(&Material::lambert(rho), &options).unwrap();
     assert!(matches!(table.representation, Representation::Diffuse) && table.cells.is_empty());

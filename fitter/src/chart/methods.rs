@@ -9,6 +9,7 @@ use brdf_tables::cubature::{Cubature, RULES, Rule};
 use brdf_tables::material::Material;
 use brdf_tables::mean::Exact;
 use brdf_tables::table::{Representation, Table};
+use core::ops::ControlFlow;
 use fitter::fit::{Choice, Options, TOLERANCE, fit};
 use fitter::solver::SolverKind;
 use fitter::zonal;
@@ -128,7 +129,7 @@ fn fitted(
     lobes: Option<usize>,
     tolerance: f64,
 ) -> anyhow::Result<Table> {
-    let (command, progress) = (String::new(), &|_| ());
+    let (command, progress) = (String::new(), &|_| ControlFlow::Continue(()));
     let options = Options { representation, solver, lobes, tolerance, seed: what.seed, command, progress };
     Ok(fit(&what.material, &options)?)
 }

@@ -27,26 +27,6 @@ impl Threads {
     }
 }
 
-/// The material of a command-line argument.
-pub fn material(argument: &str) -> anyhow::Result<Material> {
-    recipe::material(argument).map_err(|error| match error {
-        // A lone word is as likely a file name as a model.
-        recipe::RecipeError::Material { .. } if !argument.contains([':', '=']) && !argument.ends_with(".toml") => {
-            anyhow!("{error}; nor is there a file of this name")
-        }
-        error => error.into(),
-    })
-}
-
-/// The material of a command-line argument, and what is told of measured data.
-pub fn material_with_notes(argument: &str) -> anyhow::Result<(Material, Vec<String>)> {
-    if fitter::measured::is_data(argument) {
-        let (_, material, notes) = fitter::measured::load(Path::new(argument))?;
-        return Ok((material, notes));
-    }
-    Ok((material(argument)?, Vec::new()))
-}
-
 /// Loads a table, naming the file in an error.
 pub fn table(path: &Path) -> anyhow::Result<Table> {
     match file(path)? {

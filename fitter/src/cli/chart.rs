@@ -3,6 +3,7 @@
 use super::{Outcome, arguments, fit};
 use crate::chart::{Measurement, csv, figure, measure};
 use anyhow::ensure;
+use fitter::recipe;
 use fitter::solver::SolverKind;
 use kit::Progress;
 use kit::{number::whole, output};
@@ -54,7 +55,7 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
     arguments::figure(&args.output, args.materials.iter().map(Path::new))?.file(&table)?;
     let mut materials = Vec::new();
     for argument in &args.materials {
-        let material = arguments::material(argument)?;
+        let material = recipe::material(argument)?;
         ensure!(material.specular.is_some(), "{argument}: a diffuse material, whose mean BRDF is the constant kd/pi");
         materials.push((argument, material));
     }

@@ -1,13 +1,14 @@
 //! `fitter fit`: from a material to a table.
 
 use super::{Outcome, arguments, report};
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use brdf_tables::material::Material;
 use brdf_tables::table::Table;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use core::ops::RangeInclusive;
-use fitter::fit::{Choice, Options, TOLERANCE, fit};
+use core::ops::{ControlFlow, RangeInclusive};
+use fitter::fit::{Choice, FitError, Options, TOLERANCE, fit};
+use fitter::recipe;
 use fitter::solver::SolverKind;
 use kit::Progress;
 use kit::number::{number, whole};
@@ -141,25 +142,20 @@ impl Args {
     fn validate(&self) -> anyhow::Result<Job> {
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.material));
         Outputs::beside([Path::new(&self.material)]).file(&output)?;
-        let (material, notes) = arguments::material_with_notes(&self.material)?;
+        let (material, notes) = recipe::material_with_notes(&self.material)?;
         let flag = match (self.solver, self.lobes) {
             (Some(_), _) => Some("--solver"),
             (None, Some(_)) => Some("--lobes"),
             (None, None) => None,
         };
-        let representation = match (self.representation, self.preset) {
-            (Some(choice), _) => choice,
-            (None, Some(Preset::Paper)) => Choice::Paper,
-            (None, Some(Preset::Default)) => Choice::Auto,
-            (None, None) if flag.is_some() => Choice::Lobes,
-            (None, None) => Choice::Auto,
-        };
-        if let (Some(flag), Choice::Auto | Choice::Zonal | Choice::Cubature) = (flag, representation) {
-            bail!("{flag} has no use with representation {representation}, which fits no lobes");
-        }
-        if material.specular.is_none() && representation != Choice::Auto {
-            bail!("{}: a diffuse material has nothing to fit, so {representation} cannot hold it", self.material);
-        }
+        let asked = self.representation.or(self.preset.map(|preset| match preset {
+            Preset::Paper => Choice::Paper,
+            Preset::Default => Choice::Auto,
+        }));
+        let representation = Choice::of(&material, asked, flag).map_err(|error| match error {
+            FitError::Diffuse(_) => anyhow!("{}: {error}", self.material),
+            error => error.into(),
+        })?;
         let lobes = match self.lobes {
             Some(Count::Auto) if representation == Choice::Paper => {
                 bail!("--lobes auto has no use on the grid of the paper, whose cells have equally many lobes");
@@ -226,7 +222,10 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
         tolerance: args.tolerance,
         seed: args.seed,
         command: job.command.clone(),
-        progress: &|fraction| progress.set(fraction),
+        progress: &|fraction| {
+            progress.set(fraction);
+            ControlFlow::Continue(())
+        },
     };
     let mut table = fit(&job.material, &options).with_context(|| args.material.clone())?;
     table.header.notes.splice(0..0, job.notes.iter().cloned());

@@ -3,6 +3,7 @@
 use super::{Outcome, arguments};
 use core::f64::consts::FRAC_1_PI;
 use fitter::integrate::mean_brdf_mc_rgb;
+use fitter::recipe;
 use fitter::rows;
 use kit::number::whole;
 use std::io::{stdin, stdout};
@@ -34,7 +35,7 @@ pub struct Args {
 /// Answers standard input.
 pub fn run(args: Args) -> anyhow::Result<Outcome> {
     args.threads.apply()?;
-    let material = arguments::material(&args.material)?;
+    let material = recipe::material(&args.material)?;
     let columns = ["r", "g", "b", "stderr_r", "stderr_g", "stderr_b"];
     rows::answer(stdin().lock(), stdout().lock(), columns, |row, cap, wo| {
         // The Lambertian part is known; only the specular one is estimated.

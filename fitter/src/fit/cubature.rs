@@ -1,6 +1,6 @@
 //! The rule of the cubature per cell: the cheapest that meets the tolerance there.
 
-use super::{Fitted, Options, oracle, values};
+use super::{FitError, Fitted, Options, oracle, values};
 use crate::error::Directions;
 use brdf_tables::axis::Axes;
 use brdf_tables::brdf::{Brdf, Specular};
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fits the rules.
-pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
+pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitError> {
     let phi = if specular.is_isotropic() { 1 } else { 5 };
     let axes = Axes { theta: 13, phi, omega: 24, sharpness: specular.lobe_width().powi(-2), stretch: 0.5 };
     let chooser = Chooser::new(*specular, options.tolerance, values, Effort::Full);
@@ -26,13 +26,13 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Fitted {
             let (omega, rest) = (i % axes.omega as usize, i / axes.omega as usize);
             let cap = axes.cap_at(rest / axes.phi as usize, rest % axes.phi as usize, omega);
             let node = chooser.node(&cap);
-            (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64);
-            node
+            options.tell(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64)?;
+            Ok(node)
         })
-        .collect();
+        .collect::<Result<_, FitError>>()?;
     let table = Cubature::new(*specular, axes, &nodes).expect("one rule per node");
     let notes = vec![format!("rule per cell (nodes: cells): {}", spread(&nodes))];
-    Fitted { representation: Representation::Cubature(table), notes }
+    Ok(Fitted { representation: Representation::Cubature(table), notes })
 }
 
 /// How often each rule is the cheaper of its node.

@@ -75,11 +75,11 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitE
                 let mut cell = target.fit(ansatz, most, warm, &*solver, (thorough, seed), good);
                 conserve_energy(&mut cell.lobes, &target, &directions);
                 cells.push(cell);
-                (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64);
+                options.tell(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / axes.len() as f64)?;
             }
-            cells
+            Ok(cells)
         })
-        .collect();
+        .collect::<Result<_, FitError>>()?;
     let cells: Vec<CellFit> = rows.into_iter().flatten().collect();
     let nodes: Vec<Vec<Lobe>> = cells.iter().map(|c| c.lobes.clone()).collect();
     let table = Lobes::from_nodes(axes, &nodes).map_err(|_| FitError::Diverged)?;

@@ -21,7 +21,9 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::fmt;
+use std::ops::ControlFlow;
 use std::str::FromStr;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Which representation to fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +41,20 @@ pub enum Choice {
 }
 
 impl Choice {
+    /// What is fitted: what was `asked` for, else [`Choice::Auto`], or lobes where an option is set that only fits of lobes
+    /// use; `lobe_option` is its name.
+    ///
+    /// # Errors
+    /// The option has no use, or the material has nothing to fit.
+    pub fn of(material: &Material, asked: Option<Self>, lobe_option: Option<&'static str>) -> Result<Self, FitError> {
+        let choice = asked.unwrap_or(if lobe_option.is_some() { Self::Lobes } else { Self::Auto });
+        match (lobe_option, choice) {
+            (Some(option), Self::Auto | Self::Zonal | Self::Cubature) => Err(FitError::NoLobes { option, choice }),
+            _ if material.specular.is_none() && choice != Self::Auto => Err(FitError::Diffuse(choice)),
+            _ => Ok(choice),
+        }
+    }
+
     /// Every choice.
     pub const ALL: [Self; 5] = [Self::Auto, Self::Zonal, Self::Cubature, Self::Lobes, Self::Paper];
 
@@ -85,8 +101,18 @@ pub struct Options<'a> {
     pub seed: u64,
     /// Command line to record.
     pub command: String,
-    /// Told the fraction done, from any thread.
-    pub progress: &'a (dyn Fn(f64) + Sync),
+    /// Told the fraction done, from any thread; where it breaks, the fit stops.
+    pub progress: &'a (dyn Fn(f64) -> ControlFlow<()> + Sync),
+}
+
+impl Options<'_> {
+    /// Tells the fraction done.
+    fn tell(&self, fraction: f64) -> Result<(), FitError> {
+        match (self.progress)(fraction) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(FitError::Stopped),
+        }
+    }
 }
 
 /// Default tolerance on rmse_lobe.
@@ -115,6 +141,20 @@ pub enum FitError {
     /// The tolerance is out of range.
     #[error("tolerance {0} is not between 1e-5 and 1")]
     Tolerance(f64),
+    /// An option of lobes where none are fitted.
+    #[error("{option} has no use with representation {choice}, which fits no lobes")]
+    NoLobes {
+        /// Its name.
+        option: &'static str,
+        /// What is fitted instead.
+        choice: Choice,
+    },
+    /// A representation of a diffuse material.
+    #[error("a diffuse material has nothing to fit, so {0} cannot hold it")]
+    Diffuse(Choice),
+    /// [`Options::progress`] asked for it.
+    #[error("stopped")]
+    Stopped,
 }
 
 /// A fitted representation, and lines about how it came to be.
@@ -169,16 +209,18 @@ pub fn fit(material: &Material, options: &Options) -> Result<Table, FitError> {
 
     let oracle = oracle(specular);
     let axes = error_axes(&specular);
+    let done = AtomicUsize::new(0);
     let measured: Vec<(CellInfo, bool)> = (0..axes.len())
         .into_par_iter()
         .map(|i| {
+            options.tell(0.9 + 0.05 * done.fetch_add(1, Ordering::Relaxed) as f64 / axes.len() as f64)?;
             let (o, rest) = (i % axes.omega as usize, i / axes.omega as usize);
             let cap = axes.cap_at(rest / axes.phi as usize, rest % axes.phi as usize, o);
             let (errors, support) = measure(&oracle, fitted.mean(), &specular, &cap);
             let main = cap.half_angle() <= 2.5 * specular.lobe_width() && cap.theta() <= 84f64.to_radians();
-            (CellInfo { errors, support: support as f32 }, main)
+            Ok((CellInfo { errors, support: support as f32 }, main))
         })
-        .collect();
+        .collect::<Result<_, FitError>>()?;
     let main: Vec<Errors> = measured.iter().filter(|m| m.1).map(|m| m.0.errors).collect();
     header.at_nodes = Summary::new(&main);
 
@@ -186,11 +228,9 @@ pub fn fit(material: &Material, options: &Options) -> Result<Table, FitError> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(options.seed);
     let mut off = |sampling| {
         let caps = random_caps(&specular, sampling, 100, &mut rng);
-        let errors: Vec<Errors> =
-            caps.par_iter().map(|cap| measure(&oracle, fitted.mean(), &specular, cap).0).collect();
-        Summary::new(&errors)
+        measure_all(&oracle, fitted.mean(), &specular, &caps, options, 0.95)
     };
-    (header.off_nodes, header.clipped) = (off(Sampling::Main), off(Sampling::Clipped));
+    (header.off_nodes, header.clipped) = (off(Sampling::Main)?, off(Sampling::Clipped)?);
     let found = [header.off_nodes.median, header.off_nodes.p95, header.off_nodes.worst];
     let mut missed = false;
     for (promise, found) in header.promise.iter_mut().zip(found) {
@@ -202,7 +242,7 @@ pub fn fit(material: &Material, options: &Options) -> Result<Table, FitError> {
     if missed {
         header.notes.push(format!("tolerance {} not reached: promises what was measured instead", options.tolerance));
     }
-    (options.progress)(1.0);
+    options.tell(1.0)?;
     let cells = measured.into_iter().map(|m| m.0).collect();
     Ok(Table { header, representation: fitted.representation, axes, cells })
 }
@@ -213,7 +253,7 @@ pub fn fit(material: &Material, options: &Options) -> Result<Table, FitError> {
 fn represent(specular: &Specular, options: &Options) -> Result<Fitted, FitError> {
     match options.representation {
         Choice::Auto if specular.radial_exponent().is_some() => {
-            let mut fitted = zonal(specular, options).ok_or(FitError::NotRadial)?;
+            let mut fitted = zonal(specular, options)?;
             fitted.notes.insert(
                 0,
                 "zonal: the lobe is radial about the mirror direction, so its mean is two functions of two \
@@ -222,15 +262,15 @@ fn represent(specular: &Specular, options: &Options) -> Result<Fitted, FitError>
             );
             Ok(fitted)
         }
-        Choice::Zonal => zonal(specular, options).ok_or(FitError::NotRadial),
+        Choice::Zonal => zonal(specular, options),
         Choice::Auto => {
-            let mut fitted = cubature::fit(specular, options);
+            let mut fitted = cubature::fit(specular, options)?;
             fitted
                 .notes
                 .insert(0, "cubature: the lobe is not radial, and lobes of equal error cost more per value".into());
             Ok(fitted)
         }
-        Choice::Cubature => Ok(cubature::fit(specular, options)),
+        Choice::Cubature => cubature::fit(specular, options),
         Choice::Lobes => lobes::fit(specular, options),
         Choice::Paper if !specular.is_isotropic() => Err(FitError::Anisotropic),
         Choice::Paper => paper::fit(specular, options),
@@ -238,16 +278,15 @@ fn represent(specular: &Specular, options: &Options) -> Result<Fitted, FitError>
 }
 
 /// The smallest zonal table of a few sizes that meets the tolerance off its nodes.
-fn zonal(specular: &Specular, options: &Options) -> Option<Fitted> {
+fn zonal(specular: &Specular, options: &Options) -> Result<Fitted, FitError> {
     let oracle = oracle(*specular);
     let caps = random_caps(specular, Sampling::Main, 60, &mut Xoshiro256PlusPlus::seed_from_u64(options.seed ^ 1));
-    let mut last = None;
-    for (rows, columns) in [(24, 16), (32, 24), (48, 32), (64, 48)] {
-        let table = zonal::build(*specular, rows, columns)?;
-        let errors: Vec<Errors> = caps.par_iter().map(|cap| measure(&oracle, &table, specular, cap).0).collect();
-        let summary = Summary::new(&errors);
+    let mut last = Err(FitError::NotRadial);
+    for (i, (rows, columns)) in [(24, 16), (32, 24), (48, 32), (64, 48)].into_iter().enumerate() {
+        let table = zonal::build(*specular, rows, columns).ok_or(FitError::NotRadial)?;
+        let summary = measure_all(&oracle, &table, specular, &caps, options, 0.2 * (i + 1) as f64)?;
         let note = format!("{rows} × {columns} pairs of (T_P, T_R), 16 bits each");
-        last = Some(Fitted { representation: Representation::Zonal(table), notes: vec![note] });
+        last = Ok(Fitted { representation: Representation::Zonal(table), notes: vec![note] });
         // The tail and the energy are held to the same tolerance: bilinear errors are small but of one sign.
         let within = |error: f32, bound: f64| f64::from(error) <= bound * options.tolerance;
         let worst = summary.worst;
@@ -283,70 +322,21 @@ fn measure(oracle: &Cubature, mean: &dyn MeanBrdf, specular: &Specular, cap: &Ca
     (errors, directions.support(cap, &exact))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use brdf_tables::brdf::{Phong, Ward, WardVariant};
-    use std::sync::Mutex;
-
-    fn attempt(
-        specular: Specular,
-        representation: Choice,
-        tolerance: f64,
-        lobes: Option<usize>,
-    ) -> Result<Table, FitError> {
-        let (solver, command) = (SolverKind::LevenbergMarquardt, String::new());
-        let options = Options { representation, solver, lobes, tolerance, seed: 1, command, progress: &|_| () };
-        super::fit(&Material::specular(specular), &options)
-    }
-
-    #[test]
-    fn names_parse_back() {
-        for choice in Choice::ALL {
-            assert_eq!(choice.name().parse(), Ok(choice));
-        }
-        assert!("lobe".parse::<Choice>().unwrap_err().contains("zonal"));
-    }
-
-    #[test]
-    fn what_cannot_be_fitted_is_refused() {
-        let phong = Specular::Phong(Phong { exponent: 10.0 });
-        let ward = Specular::Ward(Ward { alpha_x: 0.1, alpha_y: 0.5, variant: WardVariant::Ward1992 });
-        for tolerance in [0.0, -1.0, 2.0, f64::NAN] {
-            assert!(matches!(attempt(phong, Choice::Auto, tolerance, None), Err(FitError::Tolerance(_))));
-        }
-        for lobes in [0, 17] {
-            assert!(matches!(attempt(phong, Choice::Lobes, 0.01, Some(lobes)), Err(FitError::Lobes(_))));
-        }
-        assert!(matches!(attempt(ward, Choice::Zonal, 0.01, None), Err(FitError::NotRadial)));
-        assert!(matches!(attempt(ward, Choice::Paper, 0.01, None), Err(FitError::Anisotropic)));
-        let broken = Specular::Phong(Phong { exponent: f64::NAN });
-        assert!(matches!(attempt(broken, Choice::Auto, 0.01, None), Err(FitError::Material(_))));
-    }
-
-    /// The choice and its reason are in the notes, the promise holds what was measured, progress ends at 1.
-    #[test]
-    fn tables_state_what_they_are() {
-        let done = Mutex::new(Vec::new());
-        let options = Options {
-            representation: Choice::Auto,
-            solver: SolverKind::LevenbergMarquardt,
-            lobes: None,
-            tolerance: 1e-5,
-            seed: 9,
-            command: "a command".into(),
-            progress: &|x| done.lock().unwrap().push(x),
-        };
-        let table = super::fit(&Material::specular(Specular::Phong(Phong { exponent: 10.0 })), &options).unwrap();
-        let h = &table.header;
-        assert_eq!((h.seed, h.command.as_str(), table.representation_name()), (9, "a command", "zonal"));
-        assert!(h.notes[0].starts_with("zonal: the lobe is radial"), "{:?}", h.notes);
-        // Sixteen bits do not reach 1e-5.
-        assert!(h.notes.iter().any(|n| n.contains("not reached")), "{:?}", h.notes);
-        assert!(h.promise[2] >= f64::from(h.off_nodes.worst.rmse_lobe) && h.promise[2] < 0.01, "{:?}", h.promise);
-        assert!(h.off_nodes.caps > 50 && h.clipped.caps > 50 && h.at_nodes.caps > 5);
-        assert_eq!(table.cells.len(), table.axes.len());
-        let done = done.into_inner().unwrap();
-        assert!(done.iter().all(|x| (0.0..=1.0).contains(x)) && done.last() == Some(&1.0));
-    }
+/// The errors of a mean over caps; `fraction` of the fit is then done.
+fn measure_all(
+    oracle: &Cubature,
+    mean: &dyn MeanBrdf,
+    specular: &Specular,
+    caps: &[Cap],
+    options: &Options,
+    fraction: f64,
+) -> Result<Summary, FitError> {
+    let errors = caps.par_iter().map(|cap| {
+        options.tell(fraction)?;
+        Ok(measure(oracle, mean, specular, cap).0)
+    });
+    Ok(Summary::new(&errors.collect::<Result<Vec<Errors>, FitError>>()?))
 }
+
+#[cfg(test)]
+mod tests;

@@ -40,11 +40,11 @@ pub(super) fn fit(specular: &Specular, options: &Options) -> Result<Fitted, FitE
                 let seed = options.seed ^ (e * SOLID_ANGLES + j) as u64;
                 cells.push(target.fit(ansatz, count, warm, &*solver, (thorough, seed), |_| false));
                 let all = (ELEVATIONS * SOLID_ANGLES) as f64;
-                (options.progress)(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all);
+                options.tell(0.9 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all)?;
             }
-            cells
+            Ok(cells)
         })
-        .collect();
+        .collect::<Result<_, FitError>>()?;
     let cells: Vec<CellFit> = rows.into_iter().flatten().collect();
     let to_surface = |e: usize, lobe: &Lobe| {
         // Mirror frame back to the frame where the cap has azimuth 0.
