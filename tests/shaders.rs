@@ -116,7 +116,7 @@ fn tables() -> Vec<(String, Table)> {
         tolerance: 0.02,
         seed: 1,
         command: String::new(),
-        progress: &|_| (),
+        progress: &|_| core::ops::ControlFlow::Continue(()),
     };
     let lobes = Material::specular(facets(Distribution::Ggx, 0.3, 0.3, Fresnel::None));
     all.push(("lobes ggx 0.3".into(), fit(&lobes, &coarse).unwrap()));

@@ -1,12 +1,10 @@
 //! Arguments and values that several subcommands take.
 
-use anyhow::{Context, anyhow, bail, ensure};
+use anyhow::{Context, bail, ensure};
 use brdf_tables::Family;
 use brdf_tables::format::FormatError;
-use brdf_tables::material::Material;
 use brdf_tables::table::Table;
 use core::f64::consts::{PI, TAU};
-use fitter::recipe;
 use kit::{number::whole, output::Outputs};
 use std::path::Path;
 

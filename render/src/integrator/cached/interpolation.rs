@@ -18,8 +18,9 @@ pub enum Interpolation {
     Octree,
     /// Records are drawn onto the tiles of pixels that they reach (Gautron et al. 2005).
     Splat,
-    /// Records are drawn onto tiles, and summed on the graphics card ([`crate::gpu::shared`]).
+    /// Records are drawn onto tiles, and summed on the graphics card ([`crate::gpu::shared`]); not for the live view.
     #[cfg(feature = "gpu")]
+    #[serde(skip)]
     Gpu,
 }
 
