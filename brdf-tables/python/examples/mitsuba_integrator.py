@@ -41,7 +41,7 @@ def scene() -> mi.Scene:
         "side": to().translate([2, 2, 0]).rotate([0, 1, 0], -90).scale(2.0),
     }
     parts = {
-        name: {"type": "rectangle", "to_world": places[name], "bsdf": {**bsdf, "id": name}}
+        name: {"type": "rectangle", "to_world": places[name], "bsdf": {**bsdf, "id": f"{name} surface"}}
         for name, (bsdf, _) in MATERIALS.items()
     }
     for i, (centre, radius, radiance) in enumerate(LAMPS):
@@ -65,30 +65,35 @@ class Tables(mi.SamplingIntegrator):
     def sample(self, scene, sampler, ray, medium=None, active=True):
         hit = scene.ray_intersect(ray, active)
         radiance = np.array(hit.emitter(scene).eval(hit, active)).T
-        frame = [np.array(axis).T for axis in (hit.sh_frame.s, hit.sh_frame.t, hit.sh_frame.n)]
         wo = np.array(hit.wi).T
-        surfaces = self.surfaces(scene, hit)
-        for centre, radius, emitted in LAMPS:
-            way = mi.Point3f(*centre) - hit.p
-            distance = dr.norm(way)
-            # The shadow ray ends at the surface of the lamp.
-            seen = ~scene.ray_test(hit.spawn_ray_to(hit.p + way * (1.0 - 1.001 * radius / distance)), hit.is_valid())
-            world = np.array(way / distance).T
-            axis = np.stack([np.sum(world * side, axis=-1) for side in frame], axis=-1)
-            solid_angle = 2.0 * np.pi * (1.0 - np.sqrt(1.0 - (radius / np.array(distance)) ** 2))
-            for name, here in surfaces.items():
-                # Lamps below the horizon of a surface, and surfaces seen from behind, are left out.
-                at = here & np.array(seen) & (axis[:, 2] > 0.0) & (wo[:, 2] > 1e-4)
-                mean = self.tables[name].rgb(axis[at], solid_angle[at], wo[at])
-                irradiance = brdf_tables.projected_solid_angle(axis[at], solid_angle[at])
-                radiance[at] += mean * irradiance[:, None] * np.array(emitted)
+        axis, solid_angle, seen = (np.stack(parts, axis=1) for parts in zip(*(self.lamp(scene, hit, *lamp[:2]) for lamp in LAMPS)))
+        emitted = np.array([radiance for _, _, radiance in LAMPS])
+        for name, here in self.surfaces(scene, hit).items():
+            # Surfaces seen from behind are left out. All lamps of a point are seen from one direction: looked up together.
+            at = here & (wo[:, 2] > 1e-4)
+            mean = self.tables[name].rgb(axis[at], solid_angle[at], wo[at][:, None, :])
+            irradiance = brdf_tables.projected_solid_angle(axis[at], solid_angle[at]) * seen[at]
+            radiance[at] += np.einsum("plc,pl,lc->pc", mean, irradiance, emitted)
         return mi.Color3f(radiance.T.astype(np.float32)), hit.is_valid(), []
+
+    def lamp(self, scene, hit, centre, radius) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """A lamp as a cap in the frames of the surfaces: axes, solid angles, and whether it is seen."""
+        way = mi.Point3f(*centre) - hit.p
+        distance = dr.norm(way)
+        # The shadow ray ends at the surface of the lamp.
+        shadow = hit.spawn_ray_to(hit.p + way * (1.0 - 1.001 * radius / distance))
+        axis = np.array(hit.to_local(way / distance)).T
+        # Lamps whose middle is below the horizon are left out; what stands in their place is not counted.
+        seen = ~np.array(scene.ray_test(shadow, hit.is_valid())) & (axis[:, 2] > 0.0)
+        axis[~seen] = [0.0, 0.0, 1.0]
+        share = np.minimum(radius / np.array(distance), 1.0)
+        return axis, 2.0 * np.pi * (1.0 - np.sqrt(1.0 - share**2)), seen
 
     def surfaces(self, scene, hit) -> dict[str, np.ndarray]:
         """Where each material was hit."""
         shapes = {shape.bsdf().id(): shape for shape in scene.shapes() if not shape.is_emitter()}
         valid = np.array(hit.is_valid())
-        return {name: valid & np.array(hit.shape == mi.ShapePtr(shapes[name])) for name in MATERIALS}
+        return {name: valid & np.array(hit.shape == mi.ShapePtr(shapes[f"{name} surface"])) for name in MATERIALS}
 
 
 def rmse(image: np.ndarray, truth: np.ndarray) -> float:

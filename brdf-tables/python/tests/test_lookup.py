@@ -51,7 +51,8 @@ def test_memory_is_read_in_any_order(caps, views):
     table = bt.Table.of_family("phong:exponent=30")
     expected = table.specular(axis, omega, views[0])
     assert np.array_equal(table.specular(np.asfortranarray(axis), omega, views[0]), expected)
-    assert np.array_equal(table.specular(axis[::-1], omega[::-1], views[0])[::-1], expected)
+    # The last bits depend on which caps share a vector.
+    assert np.allclose(table.specular(axis[::-1], omega[::-1], views[0])[::-1], expected, rtol=1e-5, atol=1e-9)
     single = table.specular(axis.astype(np.float32), omega.astype(np.float32), views[0].astype(np.float32))
     assert np.allclose(single, expected, rtol=1e-4, atol=1e-6)
     swapped = axis.astype(axis.dtype.newbyteorder())
@@ -98,9 +99,9 @@ def test_rgb_has_diffuse_part_and_colours(caps, views):
 
 def test_monte_carlo_agrees_with_its_error(caps, views):
     axis, omega = caps[0][:8], caps[1][:8]
-    recipe = "beckmann:alpha=0.3,kd=0.2"
+    recipe = "beckmann:alpha=0.3,kd=0.2,ks=0.8"
     mean, error = bt.monte_carlo(recipe, axis, omega, views[0], samples=4096, seed=5)
-    exact = bt.integrate(recipe, axis, omega, views[0]) + 0.2 / np.pi
+    exact = 0.8 * bt.integrate(recipe, axis, omega, views[0]) + 0.2 / np.pi
     assert mean.shape == error.shape == (8, 3)
     assert np.all(np.abs(mean[:, 0] - exact) < 6.0 * error[:, 0] + 1e-9)
     again, _ = bt.monte_carlo(recipe, axis, omega, views[0], samples=4096, seed=5)
