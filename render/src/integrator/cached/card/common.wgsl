@@ -12,7 +12,10 @@ struct Tile {
 @group(0) @binding(1) var<storage, read> near: array<u32>;
 @group(0) @binding(2) var<storage, read> surfaces: array<Surface>;
 @group(0) @binding(3) var<storage, read> records: array<Record>;
+// Sums of the surfaces, to which each run adds some of the records, in order.
 @group(0) @binding(4) var<storage, read_write> sums: array<Sums>;
+// The first record of its tile that a run adds.
+@group(0) @binding(5) var<storage, read> first: array<u32>;
 
 fn tile_of(group: vec3u) -> Tile {
     let i = group.x + group.y * {{ROW}};
@@ -20,6 +23,11 @@ fn tile_of(group: vec3u) -> Tile {
         return tiles[i];
     }
     return Tile(0u, 0u, 0u, 0u);
+}
+
+// The records of a tile that this run adds.
+fn run_of(tile: Tile) -> vec2u {
+    return tile.first_record + min(vec2u(first[0], first[0] + {{RUN}}), vec2u(tile.records));
 }
 
 // Weight of a record at a point of a hemisphere, 0 where it does not count.

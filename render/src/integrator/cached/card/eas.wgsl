@@ -65,9 +65,9 @@ struct Sums {
     others: u32,
 }
 
-@group(0) @binding(5) var<storage, read> sources: array<Source>;
-@group(0) @binding(6) var<storage, read> lobes: array<Lobe>;
-@group(0) @binding(7) var<storage, read> tables: array<u32>;
+@group(0) @binding(6) var<storage, read> sources: array<Source>;
+@group(0) @binding(7) var<storage, read> lobes: array<Lobe>;
+@group(0) @binding(8) var<storage, read> tables: array<u32>;
 
 // A source seen from a point.
 struct Moved {
@@ -156,13 +156,15 @@ fn trusted_view(record: Record, mirror: vec3f, width: f32) -> f32 {
 @compute @workgroup_size({{THREADS}})
 fn sum_eas(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let tile = tile_of(group);
-    for (var i = thread; i < tile.surfaces; i += {{THREADS}}) {
+    let i = group.z * {{THREADS}} + thread;
+    if i < tile.surfaces {
         let s = surfaces[tile.first_surface + i];
         let lobe = lobes[s.lobe];
         let mirror = s.z * s.wo.z - s.x * s.wo.x - s.y * s.wo.y;
-        var sum: Sums;
-        for (var k = 0u; k < tile.records; k++) {
-            let r = near[tile.first_record + k];
+        var sum = sums[tile.first_surface + i];
+        let run = run_of(tile);
+        for (var k = run.x; k < run.y; k++) {
+            let r = near[k];
             let class_ = records[r].class_;
             if class_ < s.first_class || class_ > s.class_ {
                 continue;

@@ -1,6 +1,6 @@
 //! The surfaces of a picture on the card, some bands of tiles at a time.
 
-use super::programs::{Programs, groups};
+use super::programs::{Programs, RUN, groups};
 use super::{eas, irradiance};
 use crate::cache::Near;
 use crate::gpu::GpuError;
@@ -138,15 +138,19 @@ impl<'a> Card<'a> {
         let (mut diffuse, mut glossy) = (Vec::new(), Vec::new());
         if !irradiance.surfaces.is_empty() {
             let [tiles, near, surfaces, sums] = irradiance.buffers::<irradiance::SumRows>(device)?;
-            let bound = [&tiles, &near, &surfaces, &self.irradiance, &sums];
-            device.run(of_irradiance, &bound, groups(irradiance.tiles.len()));
+            for first in irradiance.runs(device)? {
+                let bound = [&tiles, &near, &surfaces, &self.irradiance, &sums, &first];
+                device.run(of_irradiance, &bound, irradiance.groups());
+            }
             diffuse = device.read(&sums)?;
         }
         if !eas.surfaces.is_empty() {
             let [tiles, near, surfaces, sums] = eas.buffers::<eas::SumRows>(device)?;
             let eas::Records { records, sources, lobes, tables, .. } = &self.eas;
-            let bound = [&tiles, &near, &surfaces, records, &sums, sources, lobes, tables];
-            device.run(of_eas, &bound, groups(eas.tiles.len()));
+            for first in eas.runs(device)? {
+                let bound = [&tiles, &near, &surfaces, records, &sums, &first, sources, lobes, tables];
+                device.run(of_eas, &bound, eas.groups());
+            }
             glossy = device.read(&sums)?;
         }
         let (mut diffuse, mut glossy) = (diffuse.into_iter(), glossy.into_iter());
@@ -178,6 +182,16 @@ impl<S: bytemuck::Pod> Batch<S> {
             batch.near.extend(near);
         }
         batch
+    }
+
+    /// The first record of every run, until all tiles have had theirs.
+    fn runs(&self, device: &crate::gpu::Device) -> Result<Vec<Buffer>, GpuError> {
+        let most = self.tiles.iter().map(|tile| tile[3]).max().unwrap_or(0);
+        (0..most).step_by(RUN as usize).map(|first| device.upload("the first record of a run", &[first])).collect()
+    }
+
+    fn groups(&self) -> [u32; 3] {
+        groups(self.tiles.len(), self.tiles.iter().map(|tile| tile[1]).max().unwrap_or(0))
     }
 
     /// Tiles, records, surfaces, and room for sums of this type.

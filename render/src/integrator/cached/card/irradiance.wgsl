@@ -24,11 +24,13 @@ struct Sums {
 @compute @workgroup_size({{THREADS}})
 fn sum_irradiance(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let tile = tile_of(group);
-    for (var i = thread; i < tile.surfaces; i += {{THREADS}}) {
+    let i = group.z * {{THREADS}} + thread;
+    if i < tile.surfaces {
         let s = surfaces[tile.first_surface + i];
-        var sum: Sums;
-        for (var k = 0u; k < tile.records; k++) {
-            let r = near[tile.first_record + k];
+        var sum = sums[tile.first_surface + i];
+        let run = run_of(tile);
+        for (var k = run.x; k < run.y; k++) {
+            let r = near[k];
             let w = weight(s.position, s.hemisphere, records[r].position, records[r].normal, records[r].radius);
             if w > 0.0 {
                 let moved = s.position - records[r].position;

@@ -9,6 +9,8 @@ use std::sync::OnceLock;
 
 /// Threads of a group, which share a tile.
 const THREADS: u32 = 64;
+/// Records of a tile that one run adds: a driver may take a run of seconds for one that hangs.
+pub const RUN: u32 = 8;
 /// Groups in a row of them: how many there may be in one dimension is limited.
 pub const ROW: u32 = 32768;
 
@@ -39,10 +41,10 @@ impl Programs {
     }
 }
 
-/// Groups in two dimensions for so many tiles.
-pub fn groups(tiles: usize) -> [u32; 3] {
+/// Groups for so many tiles, the fullest of which has so many surfaces: tiles in two dimensions, and its surfaces.
+pub fn groups(tiles: usize, surfaces: u32) -> [u32; 3] {
     let tiles = tiles as u32;
-    [tiles.min(ROW), tiles.div_ceil(ROW).max(1), 1]
+    [tiles.min(ROW), tiles.div_ceil(ROW).max(1), surfaces.div_ceil(THREADS)]
 }
 
 /// A text with the constants that it shares with the processor.
@@ -51,6 +53,7 @@ fn filled(text: &str) -> String {
     let constants = [
         ("ROW", format!("{ROW}u")),
         ("THREADS", format!("{THREADS}u")),
+        ("RUN", format!("{RUN}u")),
         ("BEHIND", number(BEHIND)),
         ("OVER_SPREAD", number(1.0 / NORMAL_SPREAD)),
         ("MIN_LENGTH2", number(MIN_LENGTH2)),
