@@ -110,7 +110,12 @@ fn number_forms() {
 #[test]
 fn bad_values_are_refused_with_their_kind() {
     use MaterialError as M;
-    let error = |text: &str| match material(text) {
+    // A bare word might have been the name of a file, which the error then says too.
+    let plain = |found: RecipeError| match found {
+        RecipeError::NoFile(error) => *error,
+        error => error,
+    };
+    let error = |text: &str| match material(text).map_err(plain) {
         Err(RecipeError::Material { error, place, accepted }) => {
             assert!(place.inline && !accepted.is_empty(), "{text}");
             error
