@@ -30,10 +30,10 @@ impl From<f64> for Constant {
 }
 
 /// The degree-6 minimax polynomial of 2^f on [−½, ½], the highest coefficient first (relative error 2e-8).
-pub(crate) const EXP2: [f64; 7] =
+pub const EXP2: [f64; 7] =
     [1.535_336e-4, 1.339_887e-3, 9.618_437e-3, 5.550_332_6e-2, 2.402_264_8e-1, 6.931_472e-1, 1.0];
 /// p of ln(1 + f) = f − f²/2 + f³ p(f) for 1 + f in [√½, √2) (Cephes logf).
-pub(crate) const LN: [f64; 9] = [
+pub const LN: [f64; 9] = [
     7.037_683_6e-2,
     -1.151_461e-1,
     1.167_699_9e-1,

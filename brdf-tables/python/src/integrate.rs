@@ -2,7 +2,7 @@
 
 use crate::error::bad;
 use crate::material::Named;
-use crate::question::{Arrays, Question};
+use crate::question::{Question, ask};
 use brdf_tables::cap::Cap;
 use brdf_tables::quadrature::mean_brdf;
 use core::f64::consts::FRAC_1_PI;
@@ -50,13 +50,12 @@ pub fn integrate<'py>(
         return Err(bad(format!("tolerance {tolerance} is not between 1e-12 and 1")));
     }
     let (material, ..) = material.load(py)?;
-    let arrays = Arrays::new(axis, solid_angle, wo)?;
-    let views = arrays.views();
-    let question = Question::new(&views)?;
-    let values = each(py, &question, |_, cap, wo| {
-        [material.specular.map_or(0.0, |specular| mean_brdf(&specular, cap, wo, tolerance, 0.0))]
-    })?;
-    Ok(question.shaped(values.into_iter().flatten().collect(), None).into_pyarray(py))
+    ask([axis, solid_angle, wo], |question| {
+        let values = each(py, question, |_, cap, wo| {
+            [material.specular.map_or(0.0, |specular| mean_brdf(&specular, cap, wo, tolerance, 0.0))]
+        })?;
+        Ok(question.shaped(values.into_iter().flatten().collect(), None).into_pyarray(py))
+    })
 }
 
 /// Means and their standard errors.
@@ -77,26 +76,25 @@ pub fn monte_carlo<'py>(
         return Err(bad(format!("{samples} samples: 32 to 4294967296 are possible")));
     }
     let (material, ..) = material.load(py)?;
-    let arrays = Arrays::new(axis, solid_angle, wo)?;
-    let views = arrays.views();
-    let question = Question::new(&views)?;
-    let values = each(py, &question, |i, cap, wo| {
-        // The diffuse part is known; only the specular one is estimated.
-        let mut out = [material.kd.map(|kd| kd * FRAC_1_PI), [0.0; 3]];
-        if let Some(specular) = &material.specular {
-            let seed = seed.wrapping_add(i << 32);
-            for (c, e) in mean_brdf_mc_rgb(specular, cap, wo, samples as usize, seed).into_iter().enumerate() {
-                out[0][c] += material.ks[c] * e.value;
-                out[1][c] = material.ks[c] * e.stderr;
+    ask([axis, solid_angle, wo], |question| {
+        let values = each(py, question, |i, cap, wo| {
+            // The diffuse part is known; only the specular one is estimated.
+            let mut out = [material.kd.map(|kd| kd * FRAC_1_PI), [0.0; 3]];
+            if let Some(specular) = &material.specular {
+                let seed = seed.wrapping_add(i << 32);
+                for (c, e) in mean_brdf_mc_rgb(specular, cap, wo, samples as usize, seed).into_iter().enumerate() {
+                    out[0][c] += material.ks[c] * e.value;
+                    out[1][c] = material.ks[c] * e.stderr;
+                }
             }
-        }
-        [out[0][0], out[0][1], out[0][2], out[1][0], out[1][1], out[1][2]]
-    })?;
-    let part = |from: usize| {
-        let values = values.iter().flat_map(|v| v[from..from + 3].iter().copied()).collect();
-        question.shaped(values, Some(3)).into_pyarray(py)
-    };
-    Ok((part(0), part(3)))
+            [out[0][0], out[0][1], out[0][2], out[1][0], out[1][1], out[1][2]]
+        })?;
+        let part = |from: usize| {
+            let values = values.iter().flat_map(|v| v[from..from + 3].iter().copied()).collect();
+            question.shaped(values, Some(3)).into_pyarray(py)
+        };
+        Ok((part(0), part(3)))
+    })
 }
 
 #[pyfunction]
@@ -106,14 +104,13 @@ pub fn projected_solid_angle<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let py = axis.py();
     let up = [0.0, 0.0, 1.0].into_pyobject(py)?;
-    let arrays = Arrays::new(axis, solid_angle, up.as_any())?;
-    let views = arrays.views();
-    let question = Question::new(&views)?;
-    let values = py.detach(|| {
-        question
-            .elements()
-            .map(|element| element.map(|(cap, _)| cap.projected_solid_angle()))
-            .collect::<Result<Vec<_>, _>>()
-    });
-    Ok(question.shaped(values.map_err(|e| e.exception())?, None).into_pyarray(py))
+    ask([axis, solid_angle, up.as_any()], |question| {
+        let values = py.detach(|| {
+            question
+                .elements()
+                .map(|element| element.map(|(cap, _)| cap.projected_solid_angle()))
+                .collect::<Result<Vec<_>, _>>()
+        });
+        Ok(question.shaped(values.map_err(|e| e.exception())?, None).into_pyarray(py))
+    })
 }

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 const BLOCK: usize = 512;
 
 /// The arrays of a call, held for reading.
-pub struct Arrays<'py> {
+struct Arrays<'py> {
     axis: Input<'py>,
     solid_angle: Input<'py>,
     wo: Input<'py>,
@@ -44,9 +44,19 @@ impl Refused {
     }
 }
 
+/// Answers a question of arguments of Python, which are held for reading meanwhile.
+pub fn ask<'py, T>(
+    [axis, solid_angle, wo]: [&Bound<'py, PyAny>; 3],
+    answer: impl FnOnce(&Question) -> PyResult<T>,
+) -> PyResult<T> {
+    let arrays = Arrays::new(axis, solid_angle, wo)?;
+    let views = arrays.views();
+    answer(&Question::new(&views)?)
+}
+
 impl<'py> Arrays<'py> {
     /// From arguments of Python.
-    pub fn new(axis: &Bound<'py, PyAny>, solid_angle: &Bound<'py, PyAny>, wo: &Bound<'py, PyAny>) -> PyResult<Self> {
+    fn new(axis: &Bound<'py, PyAny>, solid_angle: &Bound<'py, PyAny>, wo: &Bound<'py, PyAny>) -> PyResult<Self> {
         Ok(Self {
             axis: Input::new("axis", axis)?,
             solid_angle: Input::new("solid_angle", solid_angle)?,
@@ -55,7 +65,7 @@ impl<'py> Arrays<'py> {
     }
 
     /// Views of the arguments.
-    pub fn views(&self) -> [View<'_>; 3] {
+    fn views(&self) -> [View<'_>; 3] {
         [self.axis.view(), self.solid_angle.view(), self.wo.view()]
     }
 }

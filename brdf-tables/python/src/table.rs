@@ -2,7 +2,7 @@
 
 use crate::error::{format, output};
 use crate::material::{Material, Named};
-use crate::question::{Arrays, Question};
+use crate::question::ask;
 use brdf_tables::brdf::Fresnel;
 use brdf_tables::errors::{Errors, Summary};
 use core::f32::consts::FRAC_1_PI;
@@ -94,11 +94,10 @@ impl Table {
         wo: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let py = axis.py();
-        let arrays = Arrays::new(axis, solid_angle, wo)?;
-        let views = arrays.views();
-        let question = Question::new(&views)?;
-        let answer = py.detach(|| question.answer::<1>(|caps, wo, out| self.inner.specular_values(caps, wo, out)));
-        Ok(question.shaped(answer.map_err(|e| e.exception())?, None).into_pyarray(py))
+        ask([axis, solid_angle, wo], |question| {
+            let answer = py.detach(|| question.answer::<1>(|caps, wo, out| self.inner.specular_values(caps, wo, out)));
+            Ok(question.shaped(answer.map_err(|e| e.exception())?, None).into_pyarray(py))
+        })
     }
 
     fn rgb<'py>(
@@ -108,25 +107,24 @@ impl Table {
         wo: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let py = axis.py();
-        let arrays = Arrays::new(axis, solid_angle, wo)?;
-        let views = arrays.views();
-        let question = Question::new(&views)?;
-        let material = &self.inner.header.material;
-        let (kd, ks) = (material.kd.map(|x| x as f32 * FRAC_1_PI), material.ks.map(|x| x as f32));
-        let model = material.specular.filter(|_| has_colour(material));
-        let mut values = Vec::new();
-        let answer = py.detach(|| {
-            question.answer::<3>(|caps, wo, out| {
-                values.resize(caps.len(), 0.0);
-                self.inner.specular_values(caps, wo, &mut values);
-                for ((i, rgb), &value) in out.chunks_exact_mut(3).enumerate().zip(&values) {
-                    // The colour is taken at the axis of the cap.
-                    let tint = model.map_or([1.0; 3], |m| m.tint(caps.get(i).0.as_dvec3(), wo.as_dvec3()));
-                    (0..3).for_each(|c| rgb[c] = kd[c] + ks[c] * tint[c] as f32 * value);
-                }
-            })
-        });
-        Ok(question.shaped(answer.map_err(|e| e.exception())?, Some(3)).into_pyarray(py))
+        ask([axis, solid_angle, wo], |question| {
+            let material = &self.inner.header.material;
+            let (kd, ks) = (material.kd.map(|x| x as f32 * FRAC_1_PI), material.ks.map(|x| x as f32));
+            let model = material.specular.filter(|_| has_colour(material));
+            let mut values = Vec::new();
+            let answer = py.detach(|| {
+                question.answer::<3>(|caps, wo, out| {
+                    values.resize(caps.len(), 0.0);
+                    self.inner.specular_values(caps, wo, &mut values);
+                    for ((i, rgb), &value) in out.chunks_exact_mut(3).enumerate().zip(&values) {
+                        // The colour is taken at the axis of the cap.
+                        let tint = model.map_or([1.0; 3], |m| m.tint(caps.get(i).0.as_dvec3(), wo.as_dvec3()));
+                        (0..3).for_each(|c| rgb[c] = kd[c] + ks[c] * tint[c] as f32 * value);
+                    }
+                })
+            });
+            Ok(question.shaped(answer.map_err(|e| e.exception())?, Some(3)).into_pyarray(py))
+        })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {

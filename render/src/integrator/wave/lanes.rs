@@ -1,6 +1,7 @@
 //! Sixteen numbers at once, and the functions of [`crate::math`] and [`crate::frame`] over them. Nothing is fused or approximated
 //! by the processor, so every machine has the same bytes.
 
+use brdf_tables::real::{EXP2, LN};
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E};
 use core::ops::{Add, Mul, Neg, Sub};
 use fearless_simd::prelude::*;
@@ -178,9 +179,8 @@ pub fn exp2<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     // 1.5 · 2²³: adding it rounds to an integer held in the low mantissa bits.
     let shifted = kept + magic;
     let f = kept - (shifted - magic);
-    let coefficients = [1.535_336e-4, 1.339_887e-3, 9.618_437e-3, 5.550_332_6e-2, 2.402_264_8e-1, 6.931_472e-1, 1.0];
     let bits: i32x16<S> = shifted.bitcast();
-    let scaled: i32x16<S> = polynomial(f, coefficients).bitcast::<i32x16<S>>() + (bits << 23);
+    let scaled: i32x16<S> = polynomial(f, EXP2.map(|c| c as f32)).bitcast::<i32x16<S>>() + (bits << 23);
     x.simd_lt(low).select(lit(x.simd, 0.0), scaled.bitcast())
 }
 
@@ -192,19 +192,8 @@ pub fn log2<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     let exponent = (bits - 0x3f35_04f3) >> 23;
     let mantissa: f32x16<S> = (bits - (exponent << 23)).bitcast();
     let f = mantissa - lit(x.simd, 1.0);
-    let coefficients = [
-        7.037_683_6e-2,
-        -1.151_461e-1,
-        1.167_699_9e-1,
-        -1.242_014_1e-1,
-        1.424_932_3e-1,
-        -1.666_805_8e-1,
-        2.000_071_5e-1,
-        -2.499_999_4e-1,
-        3.333_333e-1,
-    ];
     let z = f * f;
-    let ln = polynomial(f, coefficients) * z * f + (f - z * lit(x.simd, 0.5));
+    let ln = polynomial(f, LN.map(|c| c as f32)) * z * f + (f - z * lit(x.simd, 0.5));
     let exponent: f32x16<S> = exponent.to_float();
     ln * lit(x.simd, LOG2_E) + exponent
 }
