@@ -1,7 +1,7 @@
 //! Records summed on a graphics card, or on what stands in for one, against the processor.
 
 use brdf_tables::family;
-use render::gpu::{self, GpuError};
+use render::gpu::{self, Device, GpuError};
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Interpolation, Rendering, Settings};
 use render::picture::{Budget, Picture};
@@ -81,4 +81,22 @@ fn pictures_are_those_of_the_processor() {
         all += records;
     }
     assert!(all > 500, "{all} records in all");
+}
+
+/// What a card cannot do is an error of what is read next, not the end of the program.
+#[test]
+fn what_a_card_cannot_do_is_an_error() {
+    let device = match Device::open() {
+        Err(GpuError::NoAdapter) => return eprintln!("skipped: {}", GpuError::NoAdapter),
+        device => device.expect("an adapter that is there works"),
+    };
+    let program = device.program(
+        "@group(0) @binding(0) var<storage, read_write> out: array<u32>;
+        @compute @workgroup_size(1) fn main() { out[0] = 7u; }",
+    );
+    let out = device.room("numbers", 4).expect("there is room for a number");
+    device.run(&program, &[&out], [1, 1, 1]);
+    assert_eq!(device.read::<u32>(&out), Ok(vec![7]));
+    device.run(&program, &[&out], [u32::MAX, 1, 1]);
+    assert!(matches!(device.read::<u32>(&out), Err(GpuError::Lost { .. })));
 }

@@ -1,6 +1,7 @@
 //! A graphics card, or what stands in for one, and the little that is asked of it: buffers, compute shaders, numbers back.
 
 use bytemuck::{NoUninit, Pod};
+use std::sync::{Arc, OnceLock};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroupDescriptor, BindGroupEntry, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePipeline,
@@ -50,6 +51,8 @@ pub struct Device {
     queue: wgpu::Queue,
     name: String,
     limit: u64,
+    /// The first thing that the adapter could not do, if there was any.
+    failed: Arc<OnceLock<String>>,
 }
 
 /// A compute shader, ready to run.
@@ -76,7 +79,11 @@ impl Device {
         let descriptor = DeviceDescriptor { required_limits: limits, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|e| GpuError::Device { adapter: name.clone(), reason: e.to_string() })?;
-        Ok(Self { device, queue, name, limit })
+        // Without this, memory that is not there would end the program.
+        let failed = Arc::new(OnceLock::new());
+        let noted = Arc::clone(&failed);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| drop(noted.set(error.to_string()))));
+        Ok(Self { device, queue, name, limit, failed })
     }
 
     /// What the adapter calls itself.
@@ -155,7 +162,7 @@ impl Device {
     /// Waits for all that was asked for, and gives what a buffer of [`Device::room`] holds.
     ///
     /// # Errors
-    /// The adapter was lost.
+    /// The adapter was lost, or could not do something since it was opened.
     pub fn read<T: Pod>(&self, buffer: &Buffer) -> Result<Vec<T>, GpuError> {
         let lost = |reason: String| GpuError::Lost { adapter: self.name.clone(), reason };
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
@@ -166,6 +173,9 @@ impl Device {
         self.queue.submit([commands.finish()]);
         staging.map_async(MapMode::Read, .., |_| ());
         self.device.poll(PollType::wait_indefinitely()).map_err(|e| lost(e.to_string()))?;
+        if let Some(reason) = self.failed.get() {
+            return Err(lost(reason.clone()));
+        }
         let mapped = staging.get_mapped_range(..).map_err(|e| lost(e.to_string()))?;
         Ok(bytemuck::pod_collect_to_vec(&mapped[..]))
     }
