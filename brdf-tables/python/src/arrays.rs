@@ -4,8 +4,12 @@ use crate::error::bad;
 use glam::{DVec3, Vec3};
 use ndarray::{ArrayView2, ArrayView3, ArrayViewD, Axis, IxDyn};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::intern;
 use pyo3::prelude::*;
+
+/// Most numbers of the answer for an element: a colour and its standard errors.
+const NUMBERS: usize = 6;
 
 /// An array of a caller, held for reading.
 pub enum Input<'py> {
@@ -190,4 +194,18 @@ pub fn common_shape(shapes: &[&[usize]]) -> Option<Vec<usize>> {
             Some(length)
         })
         .collect()
+}
+
+/// Refuses shapes whose answer would not fit into memory, before any of it is taken: arrays that are broadcast are small themselves.
+///
+/// # Errors
+/// There are too many elements.
+pub fn require_room(shape: &[usize]) -> PyResult<()> {
+    let elements = shape.iter().try_fold(1usize, |product, &length| product.checked_mul(length.max(1)));
+    let fits = elements.is_some_and(|n| Vec::<[f64; NUMBERS]>::new().try_reserve_exact(n).is_ok());
+    if fits {
+        Ok(())
+    } else {
+        Err(PyMemoryError::new_err(format!("an answer of the shape {shape:?} does not fit into memory")))
+    }
 }

@@ -1,6 +1,6 @@
 //! `Material`: what a table is made of.
 
-use crate::arrays::{Input, common_shape};
+use crate::arrays::{Input, common_shape, require_room};
 use crate::error::{bad, recipe};
 use crate::question::shape_of_vectors;
 use ndarray::ArrayD;
@@ -102,6 +102,7 @@ impl Material {
         let shapes = [shape_of_vectors("wi", &wi)?, shape_of_vectors("wo", &wo)?];
         let common = common_shape(&shapes)
             .ok_or_else(|| bad(format!("the shapes of wi {:?} and wo {:?} do not fit", shapes[0], shapes[1])))?;
+        require_room(&common)?;
         let added = 2usize.saturating_sub(common.len());
         let shape = [&[1, 1][..added], &common, &[3]].concat();
         let fit = "broadcasts to the common shape";

@@ -1,6 +1,6 @@
 //! Caps and directions to the eye, as arrays that are broadcast against each other.
 
-use crate::arrays::{Input, Numbers, Vectors, View, common_shape};
+use crate::arrays::{Input, Numbers, Vectors, View, common_shape, require_room};
 use crate::error::bad;
 use brdf_tables::cap::{Cap, UNIT};
 use brdf_tables::{CapBatch, CapError};
@@ -100,6 +100,7 @@ impl<'a> Question<'a> {
             let [axis, solid_angle, wo] = shapes;
             bad(format!("the shapes of axis {axis:?}, solid_angle {solid_angle:?} and wo {wo:?} do not fit"))
         })?;
+        require_room(&common)?;
         let added = 2usize.saturating_sub(common.len());
         let mut shape = [&[1, 1][..added], &common].concat();
         let of_vectors = [&shape[..], &[3]].concat();

@@ -139,6 +139,22 @@ def test_what_is_outside_is_refused(axis, omega, wo, words):
         assert words in str(error.value) and "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("lengths", [(2**30, 2**30), (2**40, 2**40)])
+def test_answers_that_no_memory_holds_are_refused(lengths):
+    up = np.broadcast_to([0.0, 0.0, 1.0], (lengths[0], 1, 3)), np.broadcast_to([0.0, 0.0, 1.0], (lengths[1], 3))
+    for ask in (bt.Table.of_family("phong:exponent=30").rgb, lambda *a: bt.integrate("phong:exponent=30", *a)):
+        with pytest.raises(MemoryError, match="does not fit into memory"):
+            ask(up[0], 1.0, up[1])
+    with pytest.raises(MemoryError, match="does not fit into memory"):
+        bt.Material("phong:exponent=30").eval(*up)
+
+
+def test_nothing_asked_is_nothing_answered():
+    table = bt.Table.of_family("phong:exponent=30")
+    assert table.specular(np.zeros((0, 3)), 1.0, [0.0, 0.0, 1.0]).shape == (0,)
+    assert table.rgb(np.zeros((4, 1, 3)), 1.0, np.zeros((0, 3))).shape == (4, 0, 3)
+
+
 def test_errors_name_the_element(caps, views):
     axis, omega = caps
     omega = omega.copy()
