@@ -22,9 +22,9 @@ const MAX_SPP: u32 = 1 << 22;
 const MIN_SPP_FOR_ERROR: u32 = 16;
 
 /// Renders the world through its camera. `progress` is told the share of the work done, from several threads.
-pub fn render<I: Integrator>(
+pub fn render(
     world: &World,
-    integrator: &I,
+    integrator: &dyn Integrator,
     budget: Budget,
     seed: u64,
     progress: &(dyn Fn(f64) + Sync),
@@ -45,7 +45,7 @@ pub fn render<I: Integrator>(
                 progress((f64::from(from) + done as f64 / height * f64::from(pass)) / end);
             }
         };
-        add_samples((world, camera), integrator, &mut picture, (pass, seed), || false, row_done);
+        add_samples((world, camera), integrator, &mut picture, (pass, seed), &|| false, &row_done);
         if let Budget::Error(target) = budget {
             // The squared error falls with the number of samples.
             progress(f64::from(target / picture.relative_error()).powi(2).clamp(0.0, 1.0));
@@ -62,13 +62,13 @@ pub fn black(camera: &Camera) -> Picture {
 
 /// Adds a pass of so many samples to every pixel of a picture that a camera takes, with sample points of this seed.
 /// Where `halted` becomes true the rows that are left get none, and the picture is of no use. `row_done` is called after every row.
-pub fn add_samples<I: Integrator>(
+pub fn add_samples(
     (world, camera): (&World, &Camera),
-    integrator: &I,
+    integrator: &dyn Integrator,
     picture: &mut Picture,
     (pass, seed): (u32, u64),
-    halted: impl Fn() -> bool + Sync,
-    row_done: impl Fn() + Sync,
+    halted: &(dyn Fn() -> bool + Sync),
+    row_done: &(dyn Fn() + Sync),
 ) {
     let (camera, window) = (RayGenerator::new(camera), camera.film.window());
     let level = Level::new();
@@ -111,9 +111,9 @@ struct Batch {
 /// Adds the samples of the given indices to neighbouring pixels of a row, the first of them at `corner`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn sample_pixels<I: Integrator>(
+fn sample_pixels(
     world: &World,
-    integrator: &I,
+    integrator: &dyn Integrator,
     camera: &RayGenerator,
     seed: u64,
     corner: (u32, u32),

@@ -30,7 +30,6 @@ pub trait Integrator: Sync {
     fn radiance(&self, world: &World, ray: Ray, sampler: &mut Sampler, queries: &mut Queries) -> Radiance;
 
     /// The same for many rays: writes as many estimates to `out`, in their order. No estimate depends on the others.
-    #[inline(always)]
     fn radiances(&self, world: &World, starts: &[Start], queries: &mut Queries, out: &mut Vec<Radiance>) {
         out.clear();
         for start in starts {

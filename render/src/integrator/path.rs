@@ -216,7 +216,6 @@ impl Integrator for PathTracer {
         path.out
     }
 
-    #[inline(always)]
     fn radiances(&self, world: &World, starts: &[Start], queries: &mut Queries, out: &mut Vec<Radiance>) {
         wave::radiances(self, world, starts, queries, out);
     }

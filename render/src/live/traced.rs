@@ -40,7 +40,7 @@ impl Session<'_> {
     pub(super) fn trace_frame(&mut self) {
         let (begun, seed, camera) = (Instant::now(), self.next_seed(), self.quick_camera(false));
         let mut picture = black(&camera);
-        add_samples((self.world, &camera), &self.tracer(), &mut picture, (1, seed), || false, || ());
+        add_samples((self.world, &camera), &self.tracer(), &mut picture, (1, seed), &|| false, &|| ());
         self.show(&mut picture, &camera, None, Stage::Moving);
         let aim = self.aim();
         self.paces[0].note(begun.elapsed(), aim);
@@ -55,7 +55,7 @@ impl Session<'_> {
         loop {
             let begun = Instant::now();
             let samples = (pass.min(all - picture.spp), seed);
-            add_samples((self.world, &camera), &tracer, &mut picture, samples, || desk.halt.is_set(), || ());
+            add_samples((self.world, &camera), &tracer, &mut picture, samples, &|| desk.halt.is_set(), &|| ());
             let change = self.heed(Duration::ZERO);
             if change.stops() {
                 return change;

@@ -2,6 +2,7 @@
 
 pub mod defects;
 mod flicker;
+mod judge;
 mod truth;
 pub mod z_scores;
 
@@ -9,9 +10,11 @@ pub mod z_scores;
 use crate::image::to_srgb;
 use crate::image::{Image, from_srgb};
 pub use flicker::Flicker;
+pub use judge::Verdict;
 use serde::Serialize;
 use thiserror::Error;
 pub use truth::Truth;
+use truth::same_size;
 
 /// Differences of two pictures, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

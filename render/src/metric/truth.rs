@@ -117,7 +117,7 @@ impl<'a> Truth<'a> {
     }
 }
 
-fn same_size(a: &Image, b: &Image) -> Result<(), SizeMismatch> {
+pub(super) fn same_size(a: &Image, b: &Image) -> Result<(), SizeMismatch> {
     let (a, b) = ((a.width, a.height), (b.width, b.height));
     if a == b { Ok(()) } else { Err(SizeMismatch(a, b)) }
 }

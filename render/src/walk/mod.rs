@@ -18,4 +18,4 @@ pub use names::{FrameFiles, FrameNumbers, LAST_FRAME, MAX_FRAMES};
 pub use path::{Row, Walk};
 #[cfg(feature = "formats")]
 pub use table::{read_rows, write_rows};
-pub use trial::{Trial, choose_samples};
+pub use trial::{Denoising, Trial, choose_samples};

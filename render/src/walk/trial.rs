@@ -3,7 +3,9 @@
 use super::frames::{Source, seed_of};
 use super::path::Walk;
 use crate::cache::Density;
+use crate::denoise::{DenoiseError, Denoiser, Plan};
 use crate::integrator::cached::{COST_EXPONENT, Caches, FIRST_TOLERANCE, Rendering, SMALLEST_TOLERANCE, Settings};
+use crate::metric::Verdict;
 use crate::picture::Budget;
 use crate::scene::Camera;
 use crate::world::World;
@@ -22,6 +24,8 @@ const TOO_SLOW: f64 = 1.5;
 /// Samples of a path traced frame from which on it is better than one from records that is late. Measured: with 2 it is not (a hall), with
 /// 4 it is (glossy box).
 const ENOUGH: f64 = 3.0;
+/// Largest share of the time for all frames that two of them and a judge may take.
+const JUDGED: f64 = 0.1;
 /// Samples per pixel on trial.
 const TRIAL: [u32; 2] = [1, 4];
 /// Most samples per pixel that a trial chooses.
@@ -33,6 +37,17 @@ fn on_trial(walk: &Walk) -> Vec<u32> {
     let mut frames = vec![first, first + (last - first) / 2, last];
     frames.dedup();
     frames
+}
+
+/// How frames are denoised and written.
+#[derive(Clone, Copy, Debug)]
+pub struct Denoising<'a> {
+    /// By what.
+    pub denoiser: &'a Denoiser,
+    /// Those from records, and path traced ones.
+    pub plans: [Plan; 2],
+    /// Seconds that writing one takes.
+    pub writing: f64,
 }
 
 /// A coarse fill for a few frames of a path.
@@ -68,39 +83,63 @@ impl Trial {
         Self { tolerance, caches, seconds: spent }
     }
 
-    /// Whether a denoised frame is better path traced, where there are so many seconds for each, the fill included: `fixed` of them for
-    /// denoising and writing a frame from records, and a path traced one.
+    /// Whether a denoised frame is better path traced, where there are so many seconds for each, the fill included. Two are drawn and
+    /// denoised, with as many samples as there is time for, and judged by a third ([`Verdict`]), unless that takes too
+    /// much of a short walk. What cannot be told, the samples decide: that of more is taken; where even a coarse fill and frame do not fit
+    /// into the time, the path traced one with enough of them.
     ///
-    /// It is where it has more samples than one from records has of direct light, and where even a coarse fill and frame do not
-    /// fit into the time. Measured in four rooms at half a second to two seconds a frame of two cores: path traced frames win
-    /// with 4 samples against 1 and 13 against 9 (glossy box), records with 1 against 1 and up to 18 against 26 (a hall, sponza).
+    /// Measured in four rooms at half a second to two seconds a frame of two cores: path traced frames win
+    /// with 4 samples against 1 and 13 against 9 (glossy box), records with 1 against 1 and up to 18 against 26 (sponza).
+    ///
+    /// # Errors
+    /// A denoiser that fails.
     pub fn favours_paths(
         &self,
         world: &mut World,
         rendering: &Rendering,
         walk: &Walk,
         seconds: f64,
-        fixed: [f64; 2],
-    ) -> bool {
+        denoising: &Denoising,
+    ) -> Result<bool, DenoiseError> {
         let Settings { seed, indirect_only, .. } = rendering.settings;
         let records = Source::Cached { rendering, tolerance: FIRST_TOLERANCE, caches: &self.caches };
         let paths = Source::Traced { seed, indirect_only };
         let (first, last) = walk.frames().into_inner();
-        let frame = first + (last - first) / 2;
-        let Some(camera) = walk.camera(frame) else { return false };
-        let mut draw = |source: &Source, spp: u32| seconds_of(world, source, (frame, camera), spp, true);
-        let fill = GROWTH * self.seconds / f64::from(last - first + 1);
-        let once = [draw(&records, TRIAL[0]), draw(&paths, TRIAL[0])];
+        let (frame, count) = (first + (last - first) / 2, f64::from(last - first + 1));
+        let Some(camera) = walk.camera(frame) else { return Ok(false) };
+        let mut time = |source: &Source, spp: u32| seconds_of(world, source, (frame, camera), spp, true);
+        let fill = GROWTH * self.seconds / count;
+        let once = [time(&records, TRIAL[0]), time(&paths, TRIAL[0])];
+        let fixed = denoising.plans.map(|plan| plan.seconds + denoising.writing);
         let whole = [once[0] + fill + fixed[0], once[1] + fixed[1]];
         let mut samples = |i: usize, source: &Source| {
-            let slope = ((draw(source, TRIAL[1]) - once[i]) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
-            f64::from(TRIAL[0]) + (seconds - whole[i]) / slope
+            let slope = ((time(source, TRIAL[1]) - once[i]) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
+            (f64::from(TRIAL[0]) + (seconds - whole[i]) / slope).clamp(1.0, MAX_SPP)
         };
-        let of_paths = samples(1, &paths).max(1.0);
-        if whole[0] > seconds {
-            return of_paths >= ENOUGH || whole[0] > TOO_SLOW * whole[1];
+        let [of_records, of_paths] = [samples(0, &records), samples(1, &paths)];
+        let late = whole[0] > seconds;
+        if late && whole[0] > TOO_SLOW * whole[1] {
+            return Ok(true);
         }
-        of_paths > samples(0, &records)
+        if 3.0 * whole[0].max(seconds) <= JUDGED * seconds * count {
+            let mut draw = |source: &Source, spp: f64, plan: Option<Plan>| {
+                let budget = (Budget::Samples(spp as u32), plan.is_some());
+                let mut picture = source.draw(world, (frame, camera), budget, &|_| ());
+                if let Some(plan) = plan {
+                    denoising.denoiser.denoise(&mut picture, plan.effort)?;
+                }
+                Ok(picture.image())
+            };
+            let [together, apart] = denoising.plans;
+            let candidates = [draw(&records, of_records, Some(together))?, draw(&paths, of_paths, Some(apart))?];
+            // Sample points that neither of the two has seen.
+            let judge = draw(&Source::Traced { seed: !seed, indirect_only }, of_paths, None)?;
+            let verdict = Verdict::of([&candidates[0], &candidates[1]], &judge);
+            if let Some(order) = verdict.ok().and_then(|verdict| verdict.order()) {
+                return Ok(order.is_gt());
+            }
+        }
+        Ok(if late { of_paths >= ENOUGH } else { of_paths > of_records })
     }
 
     /// The records to go on from, where they are as fine as those of its τ.

@@ -93,12 +93,14 @@ impl Task<'_> {
         if args.method != Method::Auto || args.cache.is_some() || options::for_records(args) {
             return Ok(false);
         }
-        let (Some(together), Some(apart)) = (self.denoising(seconds, true)?, self.denoising(seconds, false)?) else {
+        let (Some(denoiser), Some(together), Some(apart)) =
+            (&self.denoiser, self.denoising(seconds, true)?, self.denoising(seconds, false)?)
+        else {
             return Ok(false);
         };
         let writing = writing_seconds(&args.output, &self.world.scene.camera.film);
-        let fixed = [together, apart].map(|plan| plan.seconds + writing);
-        Ok(trial.favours_paths(&mut self.world, rendering, &self.walk, seconds, fixed))
+        let denoising = walk::Denoising { denoiser, plans: [together, apart], writing };
+        Ok(trial.favours_paths(&mut self.world, rendering, &self.walk, seconds, &denoising)?)
     }
 
     /// Draws by path tracing, after some seconds of `--time-per-frame` were spent on all frames.
@@ -132,7 +134,7 @@ impl Task<'_> {
                 Some(filled) => (caches, tolerance) = filled,
                 None => {
                     eprintln!(
-                        "render: auto traces paths: in so many seconds a frame, they have more samples than frames from records"
+                        "render: auto traces paths: in so many seconds a frame, they come nearer to the truth than records"
                     );
                     return self.traced(frames, filling.elapsed().as_secs_f64());
                 }

@@ -19,6 +19,7 @@ use crate::bvh::Lanes;
 use crate::light::{Begun, LightSampleContext};
 use crate::ray::Ray;
 use crate::sampler::Samplers;
+use crate::simd::widest;
 use crate::world::{Interaction, Queries, World};
 use columns::{Light, Scattered, Surfaces, get, split};
 use fearless_simd::{Level, dispatch};
@@ -65,7 +66,6 @@ struct Block<'w> {
 }
 
 /// [`super::Integrator::radiances`] of the path tracer.
-#[inline(always)]
 pub(super) fn radiances(
     tracer: &PathTracer,
     world: &World,
@@ -73,7 +73,12 @@ pub(super) fn radiances(
     queries: &mut Queries,
     out: &mut Vec<Radiance>,
 ) {
-    radiances_by(Level::new(), tracer, world, starts, queries, out);
+    let level = Level::new();
+    widest(
+        level,
+        #[inline(always)]
+        || radiances_by(level, tracer, world, starts, queries, out),
+    );
 }
 
 /// The same by instructions of this level.
