@@ -21,8 +21,8 @@ const NARROWEST: f64 = 1e-4;
 pub struct Ltc {
     /// Inverse matrices by zenith angle of the view, from the frame whose x axis is below the eye, and ∫ f_r cosθ.
     views: Vec<(Mat3, f32)>,
-    /// Root mean square over views of the share of √∫(f_r cosθ)² that is missed.
-    pub error: f64,
+    /// Share of √∫(f_r cosθ)² that is missed from along the normal, at two thirds of the angle to the last view, and there.
+    pub missed: [f64; 3],
 }
 
 /// Directions with their f_r cosθ, and one over their density.
@@ -131,8 +131,8 @@ impl Ltc {
                 ((inverse.as_mat3(), fit.albedo as f32), fit.missed(&best))
             })
             .collect();
-        let error = (fitted.iter().map(|(_, missed)| missed).sum::<f64>() / VIEWS as f64).sqrt();
-        Self { views: fitted.into_iter().map(|(view, _)| view).collect(), error }
+        let missed = [0, VIEWS * 2 / 3, VIEWS - 1].map(|i| fitted[i].1.sqrt());
+        Self { views: fitted.into_iter().map(|(view, _)| view).collect(), missed }
     }
 
     /// To the space of the cosine, and ∫ f_r cosθ, for a local direction to the eye.

@@ -77,8 +77,13 @@ impl Both {
         &self.0.name
     }
 
-    pub fn formats(&self) -> String {
-        format!("{:?}", self.0.format)
+    /// Head of the table.
+    pub fn head(&self) -> String {
+        let formats =
+            self.0.quads.iter().map(|(format, _)| format!(" {format:?}: ms | off by | other order: other bytes |"));
+        let formats: Vec<String> = formats.collect();
+        let lines = "---|".repeat(4 + 3 * formats.len());
+        format!("| records | pixels | records of a tile | tiles, ms |{}\n|{lines}", formats.concat())
     }
 
     /// A row of the table.
@@ -95,22 +100,25 @@ impl Both {
         let (walked, in_tiles) = self.by_tiles(&tiles, &rows)?;
         let in_order: Vec<u32> = (0..records.len() as u32).collect();
         let backwards: Vec<u32> = in_order.iter().rev().copied().collect();
-        let quads = |order: &[u32]| self.by_quads(&rows, rectangles, surfaces, order, (width, height));
-        let (blended, in_quads) = quads(&in_order)?;
-        let (other, _) = quads(&backwards)?;
         let mean =
             walked.iter().map(|sum| f64::from(sum[0] + sum[1] + sum[2]) / 3.0).sum::<f64>() / walked.len() as f64;
         let difference =
             |(a, b): (&[f32; 4], &[f32; 4])| (0..3).map(|i| f64::from((a[i] - b[i]).abs())).fold(0.0, f64::max);
-        let off = walked.iter().zip(&blended).map(difference).fold(0.0, f64::max) / mean;
-        let differ = blended.iter().zip(&other).filter(|(a, b)| a != b).count();
         let longest = tiles.tiles.iter().map(|tile| tile[3]).max().unwrap_or(0);
-        Ok(format!(
-            "| {} | {width} × {height} | {:.0}, at most {longest} | {in_tiles:.1} | {in_quads:.1} | {off:.1e} | {:.0} % |",
+        let mut row = format!(
+            "| {} | {width} × {height} | {:.0}, at most {longest} | {in_tiles:.1} |",
             records.len(),
             tiles.near.len() as f64 / tiles.tiles.len() as f64,
-            100.0 * differ as f64 / blended.len() as f64,
-        ))
+        );
+        for pipeline in &self.0.quads {
+            let quads = |order: &[u32]| self.by_quads(pipeline, &rows, rectangles, surfaces, order, (width, height));
+            let (blended, time) = quads(&in_order)?;
+            let (other, _) = quads(&backwards)?;
+            let off = walked.iter().zip(&blended).map(difference).fold(0.0, f64::max) / mean;
+            let differ = blended.iter().zip(&other).filter(|(a, b)| a != b).count();
+            row += &format!(" {time:.1} | {off:.1e} | {:.0} % |", 100.0 * differ as f64 / blended.len() as f64);
+        }
+        Ok(row)
     }
 
     /// Sums by tiles, pixel by pixel, and milliseconds of a frame.
@@ -153,6 +161,7 @@ impl Both {
     /// The same by quads, drawn in this order.
     fn by_quads(
         &self,
+        (format, quads): &(TextureFormat, RenderPipeline),
         records: &Buffer,
         rectangles: &[[f32; 4]],
         surfaces: &[Surface],
@@ -162,7 +171,7 @@ impl Both {
         let Self(card) = self;
         let [surfaces, rectangles, drawn, size] =
             [cast_slice::<_, u32>(surfaces), cast_slice(rectangles), order, &[width, height]].map(|n| card.upload(n));
-        let layout = card.quads.get_bind_group_layout(0);
+        let layout = quads.get_bind_group_layout(0);
         let bound = [(2, &surfaces), (3, records), (6, &rectangles), (7, &drawn), (8, &size)];
         let group = card.bind(&layout, &bound);
         let extent = Extent3d { width, height, depth_or_array_layers: 1 };
@@ -172,7 +181,7 @@ impl Both {
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
-            format: card.format,
+            format: *format,
             usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
             view_formats: &[],
         });
@@ -186,13 +195,13 @@ impl Both {
                     color_attachments: &[Some(target)],
                     ..Default::default()
                 });
-                pass.set_pipeline(&card.quads);
+                pass.set_pipeline(quads);
                 pass.set_bind_group(0, &group, &[]);
                 pass.draw(0..4, 0..order.len() as u32);
             }
             card.submit(commands)
         })?;
-        let pixel = card.format.block_copy_size(None).unwrap_or(16);
+        let pixel = format.block_copy_size(None).unwrap_or(16);
         let row = (width * pixel).next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT);
         let bytes = card.read(u64::from(row * height), |commands, to| {
             let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };

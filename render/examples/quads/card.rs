@@ -15,9 +15,8 @@ pub struct Card {
     pub queue: Queue,
     pub name: String,
     pub tiles: ComputePipeline,
-    /// The finest format that it blends.
-    pub format: TextureFormat,
-    pub quads: RenderPipeline,
+    /// By the format of the picture that they are blended into, those that it can: the finest first.
+    pub quads: Vec<(TextureFormat, RenderPipeline)>,
 }
 
 impl Card {
@@ -31,8 +30,6 @@ impl Card {
         let descriptor =
             DeviceDescriptor { required_limits: adapter.limits(), required_features, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
-        let [fine, coarse] = FORMATS;
-        let format = if required_features.is_empty() { coarse } else { fine };
         let compile = |text: String| {
             device.create_shader_module(ShaderModuleDescriptor { label: None, source: ShaderSource::Wgsl(text.into()) })
         };
@@ -50,33 +47,37 @@ impl Card {
             dst_factor: BlendFactor::One,
             operation: BlendOperation::Add,
         };
-        let target = ColorTargetState {
-            format,
-            blend: Some(BlendState { color: add, alpha: add }),
-            write_mask: ColorWrites::ALL,
+        let quads = |format| {
+            let target = ColorTargetState {
+                format,
+                blend: Some(BlendState { color: add, alpha: add }),
+                write_mask: ColorWrites::ALL,
+            };
+            device.create_render_pipeline(&RenderPipelineDescriptor {
+                label: None,
+                layout: None,
+                vertex: VertexState {
+                    module: &module,
+                    entry_point: None,
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: PrimitiveState { topology: PrimitiveTopology::TriangleStrip, ..Default::default() },
+                depth_stencil: None,
+                multisample: Default::default(),
+                fragment: Some(FragmentState {
+                    module: &module,
+                    entry_point: None,
+                    compilation_options: Default::default(),
+                    targets: &[Some(target)],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
         };
-        let quads = device.create_render_pipeline(&RenderPipelineDescriptor {
-            label: None,
-            layout: None,
-            vertex: VertexState {
-                module: &module,
-                entry_point: None,
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: PrimitiveState { topology: PrimitiveTopology::TriangleStrip, ..Default::default() },
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(FragmentState {
-                module: &module,
-                entry_point: None,
-                compilation_options: Default::default(),
-                targets: &[Some(target)],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        Ok(Self { name: adapter.get_info().name, device, queue, tiles, format, quads })
+        let formats = FORMATS.into_iter().skip(usize::from(required_features.is_empty()));
+        let quads = formats.map(|format| (format, quads(format))).collect();
+        Ok(Self { name: adapter.get_info().name, device, queue, tiles, quads })
     }
 
     /// A storage buffer with these numbers.
@@ -109,8 +110,9 @@ impl Card {
             self.device.create_buffer(&BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false });
         let mut commands = self.device.create_command_encoder(&Default::default());
         copy(&mut commands, &staging);
-        staging.map_async(MapMode::Read, .., |_| ());
         self.submit(commands)?;
+        staging.map_async(MapMode::Read, .., |_| ());
+        self.device.poll(PollType::wait_indefinitely())?;
         Ok(staging.get_mapped_range(..)?.to_vec())
     }
 }

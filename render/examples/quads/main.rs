@@ -22,7 +22,9 @@ use std::error::Error;
 /// τ with which records are first sought, and how much finer it gets until there are enough.
 const COARSEST: f32 = 0.1;
 const FINER: f32 = 0.6;
-const FINEST: f32 = 0.005;
+const FINEST: f32 = 0.01;
+/// Width of the film for which they are made.
+const FILM: u32 = 1024;
 
 /// Room about rectangles for rounding, pixels.
 const ROOM: f64 = 0.05;
@@ -42,13 +44,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         sizes.split(',').filter_map(size).collect::<Option<_>>().ok_or("sizes are WIDTHxHEIGHT")?;
     let (scene, _) = load::load(scene.as_ref(), &load::Options::default())?;
     let mut world = World::new(scene)?;
+    // Records are no denser than pixels.
+    world.scene.camera.film.resize(Some(FILM), None);
     let records = records(&world, counts.iter().copied().max().unwrap_or(0))?;
     let both = Both::open()?;
-    println!("{}; blended in {}", both.name(), both.formats());
-    println!(
-        "| records | pixels | records of a tile | tiles, ms | quads, ms | quads off by | other order, other bytes |"
-    );
-    println!("|---|---|---|---|---|---|---|");
+    println!("{}\n\n{}", both.name(), both.head());
     for count in counts.into_iter().filter(|count| *count <= records.len()) {
         let thinned = thinned(&records, count);
         for (width, height) in &sizes {

@@ -93,7 +93,7 @@ function notice(text, stays = false, wrong = stays) {
 }
 
 /** Who sums the records of a pixel, by name. */
-const SUMMED = { auto: "summed the faster way", octree: "looked for by pixels", splat: "drawn onto pixels", gpu: "summed on the graphics card" };
+const SUMMED = { auto: "the faster way", octree: "pixels look", splat: "drawn on tiles", gpu: "graphics card" };
 
 function offer(told) {
   menu = told;
