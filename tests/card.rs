@@ -3,9 +3,10 @@
 use brdf_tables::family;
 use render::gpu::{self, Device, GpuError};
 use render::integrator::cached::policy::{Allowed, Policy};
-use render::integrator::cached::{Interpolation, Rendering, Settings};
+use render::integrator::cached::{Caches, Interpolation, Rendering, Settings};
 use render::picture::{Budget, Picture};
 use render::record::eas::Estimator;
+use render::record::harmonics::{Basis, Gradients, HarmonicsSettings, MAX_ORDER};
 use render::scene::load;
 use render::world::World;
 use std::path::Path;
@@ -21,8 +22,13 @@ fn world(scene: &str) -> World {
     World::new(load::load(&path, &options).expect("the project's scenes load").0).expect("they are valid")
 }
 
-/// Pictures from the same records by each of these, and the number of records.
-fn pictures<const N: usize>(world: &World, allowed: Allowed, by: [Interpolation; N]) -> ([Picture; N], usize) {
+/// Harmonic records of this kind.
+fn harmonics(basis: Basis, gradients: Gradients, order: Option<usize>) -> Allowed {
+    Allowed::Harmonics(HarmonicsSettings::new(basis, gradients, TOLERANCE, order))
+}
+
+/// Pictures from the same records by each of these, and the records.
+fn pictures<const N: usize>(world: &World, allowed: Allowed, by: [Interpolation; N]) -> ([Picture; N], Caches) {
     let policy = Policy::new(&world.scene, allowed, |recipe| family::table(recipe).ok_or(recipe.recipe_text()));
     let policy = policy.expect("every lobe is of a family");
     let settings = Settings {
@@ -42,10 +48,10 @@ fn pictures<const N: usize>(world: &World, allowed: Allowed, by: [Interpolation;
         assert!(!told.card_failed, "the card failed");
         picture
     });
-    (drawn, caches.records())
+    (drawn, caches)
 }
 
-/// Boxes, floors, walls, objects under a sky, metals, plastics, mirrors: within 10⁻⁴ of the mean of the picture, the same bytes
+/// Boxes, floors, walls, objects under a sky, metals, plastics, mirrors, by each kind of record: within 10⁻⁴ of the mean of the picture, the same bytes
 /// every time.
 #[test]
 fn pictures_are_those_of_the_processor() {
@@ -62,10 +68,21 @@ fn pictures_are_those_of_the_processor() {
         ("materials.xml", Allowed::Auto),
         ("anisotropic-sphere.xml", Allowed::Auto),
         ("glossy-wall.xml", Allowed::Eas),
+        ("cornell-glossy.xml", harmonics(Basis::Hemispherical, Gradients::Analytic, None)),
+        ("cornell-glossy.xml", harmonics(Basis::Spherical, Gradients::Analytic, None)),
+        ("floor-n20.xml", harmonics(Basis::Hemispherical, Gradients::None, None)),
+        ("floor-n5.xml", harmonics(Basis::Hemispherical, Gradients::Analytic, Some(MAX_ORDER))),
+        ("materials.xml", harmonics(Basis::Hemispherical, Gradients::Analytic, None)),
+        ("anisotropic-sphere.xml", harmonics(Basis::Hemispherical, Gradients::Analytic, Some(10))),
+        ("anisotropic-sphere.xml", harmonics(Basis::Spherical, Gradients::Numerical, Some(7))),
     ] {
         let world = world(scene);
         let by = [Interpolation::Splat, Interpolation::Gpu, Interpolation::Gpu];
-        let ([processor, card, again], records) = pictures(&world, allowed, by);
+        let ([processor, card, again], caches) = pictures(&world, allowed, by);
+        let records = caches.records();
+        if let Allowed::Harmonics(_) = allowed {
+            assert!(!caches.glossy.harmonics.records().is_empty(), "{scene}: no harmonics");
+        }
         let [a, b, c] = [processor, card, again].map(|picture| picture.image().pixels);
         assert!(b == c, "{scene}: another picture the second time");
         let mean = a.iter().flatten().map(|x| f64::from(*x)).sum::<f64>() / (3 * a.len()) as f64;
@@ -76,7 +93,7 @@ fn pictures_are_those_of_the_processor() {
             off.iter().copied().fold(0.0, f64::max),
             (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt(),
         );
-        println!("{scene}: {records} records, off by {root:.1e} of the mean, worst pixel {worst:.1e}");
+        println!("{scene}, {allowed:?}: {records} records, off by {root:.1e} of the mean, worst pixel {worst:.1e}");
         assert!(records > 20 && root < 1e-4, "{scene}");
         all += records;
     }

@@ -88,9 +88,6 @@ pub(super) fn check(args: &Args) -> Result<()> {
 #[cfg(feature = "gpu")]
 fn check_card(args: &Args) -> Result<()> {
     if args.interpolation == Some(Interpolation::Gpu) {
-        if harmonics(args.method) {
-            bail!("--interpolation gpu needs --method auto, eas or irradiance: harmonics are summed by the processor");
-        }
         if args.eas == Some(Estimator::Paper) {
             bail!("--interpolation gpu needs --eas improved: the card has no code for the other");
         }

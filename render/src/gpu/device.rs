@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroupDescriptor, BindGroupEntry, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePipeline,
-    ComputePipelineDescriptor, DeviceDescriptor, Instance, InstanceDescriptor, InstanceFlags, MapMode, PollType,
-    PowerPreference, RequestAdapterOptions, ShaderModuleDescriptor, ShaderSource,
+    ComputePipelineDescriptor, DeviceDescriptor, Instance, InstanceDescriptor, InstanceFlags, MapMode,
+    PipelineCompilationOptions, PollType, PowerPreference, RequestAdapterOptions, ShaderModuleDescriptor, ShaderSource,
 };
 
 /// Why nothing is computed on a graphics card.
@@ -105,7 +105,11 @@ impl Device {
             layout: None,
             module: &module,
             entry_point: None,
-            compilation_options: Default::default(),
+            // What a group shares is written before it is read.
+            compilation_options: PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
             cache: None,
         }))
     }

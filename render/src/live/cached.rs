@@ -56,17 +56,21 @@ impl Session<'_> {
         change
     }
 
-    /// Whether caches may grow.
-    fn has_room(&mut self, caches: &Caches) -> bool {
+    /// Whether caches may grow. Tells if they may not, and if the graphics card did not sum what it was to.
+    fn has_room(&mut self, caches: &Caches, sums: &Sums) -> bool {
         let room = caches.bytes() < self.options.most_bytes;
-        self.status.message = (!room).then(|| "the caches are full: no more records are made".into());
+        self.status.message = match (room, sums.card_failed()) {
+            (false, _) => Some("the caches are full: no more records are made".into()),
+            (true, true) => Some("the graphics card failed: the processor sums the records".into()),
+            (true, false) => None,
+        };
         room
     }
 
     /// Draws a frame of a camera that moves.
     fn move_on(&mut self, work: &Work, caches: &mut Caches, sums: &mut Sums, first: bool) {
         let (world, seed, camera) = (self.world, self.next_seed(), self.quick_camera(true));
-        if !first && self.has_room(caches) && self.search.is_due() {
+        if !first && self.has_room(caches, sums) && self.search.is_due() {
             let [x, y] = OFFSETS[(seed >> 32) as usize % OFFSETS.len()];
             let how = (Density::Scouted { spacing: SPACING, offset: [x, y] }, seed);
             let (before, end, all) = (caches.records(), Instant::now() + FILL, self.navigator.camera());
@@ -98,7 +102,7 @@ impl Session<'_> {
         let share = AtomicU64::new(0);
         let mut quick = self.quick_camera(true);
         sums.clear(quick.film.window());
-        while self.has_room(caches) {
+        while self.has_room(caches, sums) {
             fill.step(caches, Instant::now() + FILL, &|x| share.store(x.to_bits(), Ordering::Relaxed));
             self.status.filled = f64::from_bits(share.load(Ordering::Relaxed));
             let change = self.heed(Duration::ZERO);
@@ -156,7 +160,9 @@ impl Session<'_> {
                 (shown, next) = (Instant::now(), next.max(2 * sums.spp()));
             }
         }
-        match work.fine.developed(&from, sums, seed, &desk.halt) {
+        let picture = work.fine.developed(&from, sums, seed, &desk.halt);
+        self.has_room(caches, sums);
+        match picture {
             Some(picture) => self.rest(picture, camera, Some(caches)),
             None => self.heed(Duration::ZERO),
         }

@@ -135,6 +135,8 @@ pub struct Menu {
     pub scene: String,
     /// Methods: name, and what it does.
     pub methods: Vec<[String; 2]>,
+    /// Who may sum the records of a pixel.
+    pub interpolations: Vec<Interpolation>,
     /// The denoiser; `None` where there is none.
     pub denoiser: Option<String>,
     /// Where a recorded walk is written, if it is.
@@ -174,6 +176,9 @@ impl Menu {
             Command::Method { name } if !self.methods.iter().any(|[known, _]| known == name) => {
                 Err("there is no such method".into())
             }
+            Command::Interpolation { name } if !self.interpolations.contains(name) => {
+                Err("nobody sums records so here".into())
+            }
             Command::Denoise { on: true } if self.denoiser.is_none() => Err("there is no denoiser".into()),
             _ => Ok(()),
         }
@@ -189,6 +194,7 @@ mod tests {
         let menu = Menu {
             scene: "box".into(),
             methods: vec![["path".into(), String::new()]],
+            interpolations: vec![Interpolation::Auto, Interpolation::Splat],
             denoiser: None,
             record: None,
             taus: TAUS,
@@ -223,6 +229,7 @@ mod tests {
             r#"{"do": "method", "name": "magic"}"#,
             r#"{"do": "view", "name": "../x"}"#,
             r#"{"do": "interpolation", "name": "both"}"#,
+            r#"{"do": "interpolation", "name": "octree"}"#,
             r#"{"do": "denoise", "on": true}"#,
             r#"{"do": "home", "file": "/etc/passwd"}"#,
             r#"{"do": "fly"}"#,

@@ -11,6 +11,12 @@ const FROM_VERTICAL: f64 = 0.02;
 /// How far from the middle of the scene the eye may go, in diagonals of the scene.
 const FARTHEST: f64 = 50.0;
 
+/// What a film of parallel rays may show, in diagonals of the scene.
+const SHOWN: [f64; 2] = [1e-4, 50.0];
+
+/// How many times nearer a second of walking brings what is seen with parallel rays: that of what one walks up to with others.
+const NEARER: f64 = 1.5;
+
 /// A camera that turns and walks.
 ///
 /// It turns about the axis of the world that is nearest to the camera's own upwards: scenes may have y or z up.
@@ -87,6 +93,18 @@ impl Navigator {
         self.place(self.middle + offset.clamp_length_max(FARTHEST * self.size), self.axes);
     }
 
+    /// Goes a way at once. With parallel rays nothing is seen nearer by going there: the film shows less instead.
+    pub fn step(&mut self, [forward, right, up]: [f64; 3]) {
+        let Projection::Orthographic { half_width } = self.camera.projection else {
+            return self.go([forward, right, up]);
+        };
+        let [least, most] = SHOWN.map(|share| 0.5 * share * self.size);
+        let wide = f64::from(half_width);
+        let shown = (wide * NEARER.powf(-forward)).clamp(least.min(wide), most.max(wide)) as f32;
+        self.camera.projection = Projection::Orthographic { half_width: shown };
+        self.go([0.0, right, up]);
+    }
+
     /// Goes back to where it began.
     pub fn home(&mut self) {
         let corners = [self.middle - DVec3::X * (0.5 * self.size), self.middle + DVec3::X * (0.5 * self.size)];
@@ -100,14 +118,14 @@ impl Navigator {
 
     /// The camera as a row of a path, along `axis` of a film whose width is `aspect` times its height.
     pub fn row(&self, axis: FovAxis, aspect: f64) -> Row {
-        let fov = match self.camera.projection {
+        let (fov, width) = match self.camera.projection {
             Projection::Perspective { fov_x } => {
                 let half = (0.5 * f64::from(fov_x)).tan() / axis.half_width(1.0, aspect);
-                Some((2.0 * half.atan()).to_degrees())
+                (Some((2.0 * half.atan()).to_degrees()), None)
             }
-            Projection::Orthographic { .. } => None,
+            Projection::Orthographic { half_width } => (None, Some(2.0 * f64::from(half_width))),
         };
-        Row { eye: self.eye, look: self.eye + self.axes.z_axis, up: self.axes.y_axis, fov }
+        Row { eye: self.eye, look: self.eye + self.axes.z_axis, up: self.axes.y_axis, fov, width }
     }
 
     fn place(&mut self, eye: DVec3, axes: DMat3) {
@@ -154,6 +172,31 @@ mod tests {
         n.go([1.0, 0.5, 0.25]);
         let eye = n.camera().to_world.translation.as_dvec3();
         assert!((eye - (DVec3::new(0.0, 1.5, -2.0) - left)).length() < 1e-6, "{eye}");
+        n.home();
+        assert_eq!(n.camera(), &n.home);
+    }
+
+    /// Parallel rays: a step ahead shows less of the scene, from where it was; its row gives the same camera again.
+    #[test]
+    fn parallel_rays_come_nearer() {
+        let to_world = Camera::look_at(DVec3::NEG_Z, DVec3::ZERO, DVec3::Y).unwrap();
+        let projection = Projection::Orthographic { half_width: 3.0 };
+        let mut n = Navigator::new(&Camera { to_world, projection, ..Camera::default() }, CORNERS, 2.0);
+        let wide = |camera: &Camera| match camera.projection {
+            Projection::Orthographic { half_width } => half_width,
+            Projection::Perspective { .. } => panic!("it has become another"),
+        };
+        n.step([1.0, 0.0, 0.0]);
+        assert!((wide(n.camera()) - 2.0).abs() < 1e-6 && n.eye == DVec3::NEG_Z);
+        let rows = BTreeMap::from([(1, n.row(FovAxis::X, 1.0))]);
+        let walk = Walk::through(&rows, &n.home, FovAxis::X, 1.0).unwrap();
+        assert_eq!(wide(walk.camera(1).unwrap()), wide(n.camera()));
+        n.step([-1.0, 0.0, 0.0]);
+        assert!((wide(n.camera()) - 3.0).abs() < 1e-5);
+        for forward in [1e4, -1e4] {
+            n.step([forward, 0.0, 0.0]);
+            assert!(wide(n.camera()).is_normal(), "{forward}");
+        }
         n.home();
         assert_eq!(n.camera(), &n.home);
     }

@@ -62,7 +62,10 @@ impl Session<'_> {
         if orders.turn != [0.0; 2] {
             self.navigator.turn(yaw, pitch);
         }
-        let way: [f64; 3] = core::array::from_fn(|i| orders.step[i] + orders.walk[i] * passed);
+        if orders.step != [0.0; 3] {
+            self.navigator.step(orders.step);
+        }
+        let way = orders.walk.map(|x| x * passed);
         if way != [0.0; 3] {
             self.navigator.go(way);
         }

@@ -54,7 +54,8 @@ mod tests {
 
     #[test]
     fn rows_have_the_numbers_of_their_frames() {
-        let row = |x: f64| Row { eye: DVec3::splat(x), look: DVec3::splat(x + 1.0), up: DVec3::Y, fov: Some(40.0) };
+        let (up, fov, width) = (DVec3::Y, Some(40.0), None);
+        let row = |x: f64| Row { eye: DVec3::splat(x), look: DVec3::splat(x + 1.0), up, fov, width };
         let start = Instant::now();
         let mut recorder = Recorder::new(start, row(0.0));
         for i in 1..=100 {

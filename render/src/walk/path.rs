@@ -18,6 +18,8 @@ pub struct Row {
     pub up: DVec3,
     /// Angle of view along the axis that the scene names, degrees; `None` keeps that of the scene.
     pub fov: Option<f64>,
+    /// Scene units that the width of the film shows, where rays are parallel; `None` keeps that of the scene.
+    pub width: Option<f64>,
 }
 
 /// Cameras of frames that follow each other.
@@ -108,16 +110,20 @@ fn row_at(keys: &[(u32, Row)], frame: u32) -> Row {
             + of(&b) * (3.0 * t2 - 2.0 * t3)
             + slope(after, of) * (length * (t3 - t2))
     };
-    let fov = a.fov.zip(b.fov).map(|(a, b)| a + (b - a) * t);
-    Row { eye: spline(|r| r.eye), look: spline(|r| r.look), up: spline(|r| r.up), fov }
+    let line = |of: fn(&Row) -> Option<f64>| of(&a).zip(of(&b)).map(|(a, b)| a + (b - a) * t);
+    let (fov, width) = (line(|r| r.fov), line(|r| r.width));
+    Row { eye: spline(|r| r.eye), look: spline(|r| r.look), up: spline(|r| r.up), fov, width }
 }
 
 /// A camera that stands at a row.
 fn camera_at(row: &Row, camera: &Camera, axis: FovAxis, aspect: f64) -> Result<Camera, String> {
-    let Row { eye, look, up, fov } = *row;
+    let Row { eye, look, up, fov, width } = *row;
     let to_world = Camera::look_at(eye, look, up);
     let to_world = to_world.ok_or("the camera looks nowhere: eye and look are one, or up is along the view")?;
     let projection = match (fov, camera.projection) {
+        _ if width.is_some_and(|width| !(width > 0.0 && (width as f32).is_normal())) => {
+            return Err("a width that is not positive".into());
+        }
         (Some(degrees), _) if !(degrees > 0.0 && degrees < 180.0) => {
             return Err(format!("a field of view of {degrees} degrees"));
         }
@@ -125,6 +131,12 @@ fn camera_at(row: &Row, camera: &Camera, axis: FovAxis, aspect: f64) -> Result<C
             Projection::Perspective { fov_x: axis.fov_x(degrees.to_radians(), aspect) as f32 }
         }
         (Some(_), Projection::Orthographic { .. }) => return Err("an orthographic camera has no field of view".into()),
+        (None, Projection::Perspective { .. }) if width.is_some() => {
+            return Err("a perspective camera has a field of view, no width".into());
+        }
+        (None, Projection::Orthographic { half_width }) => {
+            Projection::Orthographic { half_width: width.map_or(half_width, |width| (0.5 * width) as f32) }
+        }
         (None, projection) => projection,
     };
     Ok(Camera { to_world, projection, ..camera.clone() })
@@ -136,7 +148,7 @@ mod tests {
 
     fn row(x: f64) -> Row {
         let (eye, look) = (DVec3::new(x, 0.0, 4.0), DVec3::new(x, 0.0, 0.0));
-        Row { eye, look, up: DVec3::Y, fov: Some(30.0 + x) }
+        Row { eye, look, up: DVec3::Y, fov: Some(30.0 + x), width: None }
     }
 
     fn eye(walk: &Walk, frame: u32) -> f32 {
@@ -170,6 +182,8 @@ mod tests {
         assert!(bad(&[(1, row(0.0)), (4, Row { look: DVec3::new(0.0, 0.0, 4.0), ..row(0.0) })]).starts_with("frame 4"));
         assert!(bad(&[(3, Row { up: DVec3::Z, ..row(0.0) })]).starts_with("frame 3"));
         assert!(bad(&[(3, Row { fov: Some(180.0), ..row(0.0) })]).contains("180"));
+        assert!(bad(&[(3, Row { fov: None, width: Some(2.0), ..row(0.0) })]).contains("no width"));
+        assert!(bad(&[(3, Row { fov: None, width: Some(-1.0), ..row(0.0) })]).contains("not positive"));
         assert!(bad(&[(0, row(0.0)), (u32::MAX, row(1.0))]).contains("frames"));
         assert!(bad(&[]).contains("no row"));
     }

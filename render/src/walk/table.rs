@@ -4,10 +4,11 @@ use super::path::Row;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Columns of a path, in any order and beside others; the last may be missing.
-const COLUMNS: [&str; 11] =
-    ["frame", "eye_x", "eye_y", "eye_z", "look_x", "look_y", "look_z", "up_x", "up_y", "up_z", "fov"];
+/// Columns of a path, in any order and beside others; the last two may be missing.
+const COLUMNS: [&str; 12] =
+    ["frame", "eye_x", "eye_y", "eye_z", "look_x", "look_y", "look_z", "up_x", "up_y", "up_z", "fov", "width"];
 const FOV: usize = 10;
+const WIDTH: usize = 11;
 
 /// Rows of a path by the number of their frame.
 ///
@@ -29,9 +30,10 @@ pub fn read_rows(text: &[u8]) -> Result<BTreeMap<u32, Row>, String> {
     let header = reader.headers().map_err(plain)?.clone();
     let at = COLUMNS.map(|name| header.iter().position(|column| column == name));
     let missing: Vec<_> =
-        COLUMNS.iter().zip(&at).filter(|(c, at)| at.is_none() && **c != "fov").map(|(c, _)| *c).collect();
+        COLUMNS[..FOV].iter().zip(&at).filter(|(_, at)| at.is_none()).map(|(column, _)| *column).collect();
     if !missing.is_empty() {
-        return Err(format!("line 1: the header must be {}; {} is not there", COLUMNS.join(","), missing.join(",")));
+        let header = COLUMNS[..=FOV].join(",");
+        return Err(format!("line 1: the header must be {header}; {} is not there", missing.join(",")));
     }
     if let Some(twice) = COLUMNS.iter().find(|name| header.iter().filter(|column| column == *name).count() > 1) {
         return Err(format!("line 1: two columns are called {twice}"));
@@ -50,8 +52,9 @@ pub fn read_rows(text: &[u8]) -> Result<BTreeMap<u32, Row>, String> {
         };
         let frame = at[0].and_then(|i| record.get(i)).unwrap_or_default().parse::<u32>();
         let frame = frame.map_err(|_| format!("line {line}: frame must be a whole number ≥ 0"))?;
-        let fov = if at[FOV].is_some() { Some(number(FOV)?) } else { None };
-        let row = Row { eye: vector(1)?, look: vector(4)?, up: vector(7)?, fov };
+        let optional = |column: usize| at[column].map(|_| number(column)).transpose();
+        let (fov, width) = (optional(FOV)?, optional(WIDTH)?);
+        let row = Row { eye: vector(1)?, look: vector(4)?, up: vector(7)?, fov, width };
         if rows.insert(frame, row).is_some() {
             return Err(format!("line {line}: frame {frame} is there twice"));
         }
@@ -62,10 +65,13 @@ pub fn read_rows(text: &[u8]) -> Result<BTreeMap<u32, Row>, String> {
 /// The path through rows, as [`read_rows`] reads it.
 pub fn write_rows<'a>(rows: impl IntoIterator<Item = (u32, &'a Row)>) -> String {
     let rows: Vec<_> = rows.into_iter().collect();
-    let fov = rows.iter().all(|(_, row)| row.fov.is_some());
-    let mut text = COLUMNS[..COLUMNS.len() - usize::from(!fov)].join(",") + "\n";
-    for (frame, Row { eye, look, up, fov: degrees }) in rows {
-        let numbers = [eye, look, up].into_iter().flat_map(|v| v.to_array()).chain(degrees.filter(|_| fov));
+    let all = |of: fn(&Row) -> Option<f64>| rows.iter().all(|(_, row)| of(row).is_some());
+    let has = [all(|row| row.fov), all(|row| row.width)];
+    let named = COLUMNS[FOV..].iter().zip(has).filter(|(_, has)| *has).map(|(column, _)| *column);
+    let mut text = COLUMNS[..FOV].iter().copied().chain(named).collect::<Vec<_>>().join(",") + "\n";
+    for (frame, Row { eye, look, up, fov, width }) in rows {
+        let optional = [*fov, *width].into_iter().zip(has).filter_map(|(number, has)| number.filter(|_| has));
+        let numbers = [eye, look, up].into_iter().flat_map(|v| v.to_array()).chain(optional);
         text +=
             &core::iter::once(frame.to_string()).chain(numbers.map(|x| x.to_string())).collect::<Vec<_>>().join(",");
         text.push('\n');
@@ -94,11 +100,14 @@ mod tests {
     /// What is written is read again, to the last bit.
     #[test]
     fn rows_come_back() {
-        let row = |x: f64| Row { eye: DVec3::new(x, 1e-9, -3.25), look: DVec3::X, up: DVec3::Y, fov: Some(x / 3.0) };
+        let (look, up, width) = (DVec3::X, DVec3::Y, None);
+        let row = |x: f64| Row { eye: DVec3::new(x, 1e-9, -3.25), look, up, fov: Some(x / 3.0), width };
         let rows = BTreeMap::from([(1, row(0.1)), (25, row(1e7 / 7.0))]);
         assert_eq!(read_rows(write_rows(rows.iter().map(|(f, r)| (*f, r))).as_bytes()).unwrap(), rows);
-        let flat = BTreeMap::from([(3, Row { fov: None, ..row(2.0) })]);
-        assert_eq!(read_rows(write_rows(flat.iter().map(|(f, r)| (*f, r))).as_bytes()).unwrap(), flat);
+        for width in [None, Some(0.3)] {
+            let flat = BTreeMap::from([(3, Row { fov: None, width, ..row(2.0) })]);
+            assert_eq!(read_rows(write_rows(flat.iter().map(|(f, r)| (*f, r))).as_bytes()).unwrap(), flat);
+        }
     }
 
     #[test]

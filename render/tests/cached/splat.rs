@@ -5,8 +5,9 @@ use render::integrator::cached::kinds::KINDS;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Interpolation, Rendering, Settings};
 use render::picture::{Budget, Picture};
-use render::scene::{Lens, Projection};
+use render::scene::{Lens, Projection, load};
 use render::world::World;
+use std::path::Path;
 use std::time::Instant;
 
 const SMALL: [(&str, &str); 2] = [("width", "48"), ("height", "40")];
@@ -60,6 +61,34 @@ fn pictures_are_those_of_the_octree_to_the_last_bit() {
         }
     }
     assert!(drawn > 2500, "{drawn} records in all");
+}
+
+/// Scenes of others, where the folder `shared/scenes` lies beside the checkout: many triangles, textures, rooms behind one another.
+#[test]
+fn pictures_of_real_scenes_are_those_of_the_octree() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    for (scene, method) in [
+        ("cornell/fig12.xml", "auto"),
+        ("dragon/dragon.xml", "eas"),
+        ("matpreview/matpreview-n40.xml", "eas"),
+        ("sponza/sponza.xml", "irradiance"),
+        ("staircase2/scene.xml", "auto"),
+        ("wooden-staircase/scene.xml", "auto"),
+        ("kitchenette/scene.xml", "irradiance"),
+    ] {
+        let path = folder.join(scene);
+        if !path.exists() {
+            println!("skipped: {} is absent", path.display());
+            continue;
+        }
+        let (mut scene, _) = load::load(&path, &load::Options::default()).unwrap_or_else(|e| panic!("{e}"));
+        scene.camera.film.resize(Some(48), None);
+        let world = World::new(scene).expect("it is valid");
+        let ([octree, splat], records) = both(&world, method, 2);
+        println!("{} {method}: {records} records", path.display());
+        assert!(records > 20, "{}: {records} records", path.display());
+        assert!(octree.image().pixels == splat.image().pixels, "{}", path.display());
+    }
 }
 
 /// Parallel rays, a lens, a camera amid the records with a near plane that cuts their spheres, a part of the film.

@@ -31,7 +31,8 @@ fn settings() -> Settings {
 
 /// A few steps into the box.
 fn walk(world: &World, frames: u32) -> Walk {
-    let row = |z: f64| Row { eye: DVec3::new(2.0, 2.7, z), look: DVec3::new(2.8, 2.5, 2.0), up: DVec3::Y, fov: None };
+    let (look, up, fov, width) = (DVec3::new(2.8, 2.5, 2.0), DVec3::Y, None, None);
+    let row = |z: f64| Row { eye: DVec3::new(2.0, 2.7, z), look, up, fov, width };
     let rows = [(0, row(-8.0)), (frames - 1, row(-3.0))].into_iter().collect();
     Walk::through(&rows, &world.scene.camera, FovAxis::X, 1.0).unwrap()
 }

@@ -216,6 +216,7 @@ fn menu(args: &Args, world: &World, denoiser: Option<String>) -> Menu {
     Menu {
         scene: name(&args.scene),
         methods: Method::value_variants().iter().map(|m| [m.name().into(), about(m).unwrap_or_default()]).collect(),
+        interpolations: Interpolation::available(),
         denoiser,
         record: args.record.as_ref().map(name),
         taus: TAUS,

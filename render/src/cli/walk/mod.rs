@@ -32,7 +32,7 @@ Draw the frames of a walk: many pictures of one scene through a camera that move
 path; then every frame only reads them, so that light does not flicker from frame to frame.
 
 A path is a CSV file whose header names the columns frame, eye_x, eye_y, eye_z, look_x, look_y, look_z, up_x, up_y, up_z and fov \
-(degrees; it may be left out). Rows may leave out frames: eye, look and up follow smooth curves between them. Or \
+(degrees; it may be left out; a camera of parallel rays may have width, in scene units, instead). Rows may leave out frames: eye, look and up follow smooth curves between them. Or \
 camera:NAME@FPS, an animated camera of a glTF file at so many frames per second.
 
 A frame depends on the scene, the path, the options and the cache alone: many machines may draw frames of one walk. Fill the \

@@ -18,13 +18,20 @@ pub enum Interpolation {
     Octree,
     /// Records are drawn onto the tiles of pixels that they reach (Gautron et al. 2005).
     Splat,
-    /// Records are drawn onto tiles, and summed on the graphics card ([`crate::gpu::shared`]); not for the live view.
+    /// Records are drawn onto tiles, and summed on the graphics card ([`crate::gpu::shared`]).
     #[cfg(feature = "gpu")]
-    #[serde(skip)]
     Gpu,
 }
 
 impl Interpolation {
+    /// Those that this build and this machine have. Looks for a graphics card.
+    pub fn available() -> Vec<Self> {
+        let all = [Self::Auto, Self::Octree, Self::Splat].into_iter();
+        #[cfg(feature = "gpu")]
+        let all = all.chain(crate::gpu::shared().is_ok().then_some(Self::Gpu));
+        all.collect()
+    }
+
     /// Whether the graphics card sums.
     pub(super) fn is_on_card(self) -> bool {
         #[cfg(feature = "gpu")]

@@ -4,7 +4,7 @@ mod budget;
 mod build;
 mod caches;
 #[cfg(feature = "gpu")]
-mod card;
+pub mod card;
 mod components;
 mod diffuse;
 mod drawn;

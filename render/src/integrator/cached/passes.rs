@@ -99,7 +99,8 @@ impl<'a> Passes<'a> {
 
     /// What has been summed.
     pub fn into_sums(self) -> Sums {
-        self.sums
+        let card_failed = self.sums.card_failed || self.card_failed.load(Ordering::Relaxed);
+        Sums { card_failed, ..self.sums }
     }
 
     fn is_halted(&self) -> bool {
@@ -156,13 +157,14 @@ impl<'a> Passes<'a> {
             pixels.append(&mut self.sums.pixels);
             counts += self.sums.counts;
         }
+        shading.card_failed = self.card_failed.load(Ordering::Relaxed);
         (Picture::of(window, pixels, samples, counts, true), shading)
     }
 
     /// Adds direct light of so many samples to every pixel, and notes the surfaces that they show.
     pub fn direct(&mut self, pass: u32) {
         let Self { shader, settings, ref camera, window, halt, .. } = *self;
-        let Sums { pixels, surfaces, spp, counts } = &mut self.sums;
+        let Sums { pixels, surfaces, spp, counts, .. } = &mut self.sums;
         let (spp, sums) = (*spp, (spp, counts));
         let width = window.width as usize;
         let middle = spp + first_half(spp + pass) - first_half(spp);

@@ -34,6 +34,8 @@ pub struct Sums {
     pub(super) surfaces: Vec<Vec<Surface>>,
     pub(super) spp: u32,
     pub(super) counts: Counts,
+    /// Whether the graphics card was to sum records and failed, in any of the pictures so far.
+    pub(super) card_failed: bool,
 }
 
 impl Sums {
@@ -53,6 +55,11 @@ impl Sums {
         self.surfaces.iter_mut().for_each(Vec::clear);
         self.surfaces.resize_with(count, Vec::new);
         (self.spp, self.counts) = (0, Counts::default());
+    }
+
+    /// Whether the graphics card was to sum records of any picture so far, and failed: then the processor summed them.
+    pub fn card_failed(&self) -> bool {
+        self.card_failed
     }
 
     /// Samples of every pixel.

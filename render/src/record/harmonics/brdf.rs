@@ -92,6 +92,12 @@ impl HarmonicBrdf {
     /// Texels around a direction, with their shares.
     #[inline(always)]
     fn around(&self, wo: Vec3A) -> [(&Texel, f32); 4] {
+        self.places(wo).map(|(i, share)| (&self.texels[i], share))
+    }
+
+    /// Their places in the map.
+    #[inline(always)]
+    pub(super) fn places(&self, wo: Vec3A) -> [(usize, f32); 4] {
         let p = Vec2::new(wo.x.abs(), wo.y.abs()) / (1.0 + wo.z.max(0.0));
         let scale = self.intervals as f32;
         let split = |x: f32| {
@@ -101,17 +107,34 @@ impl HarmonicBrdf {
         };
         if self.isotropic {
             let (i, t) = split(p.length());
-            let (a, b) = (&self.texels[i], &self.texels[i + 1]);
-            return [(a, 1.0 - t), (b, t), (a, 0.0), (b, 0.0)];
+            return [(i, 1.0 - t), (i + 1, t), (i, 0.0), (i + 1, 0.0)];
         }
         let ((i, s), (j, t)) = (split(p.x), split(p.y));
-        let at = |i: usize, j: usize| &self.texels[j * (self.intervals + 1) + i];
+        let at = |i: usize, j: usize| j * (self.intervals + 1) + i;
         [
             (at(i, j), (1.0 - s) * (1.0 - t)),
             (at(i + 1, j), s * (1.0 - t)),
             (at(i, j + 1), (1.0 - s) * t),
             (at(i + 1, j + 1), s * t),
         ]
+    }
+
+    /// Order and packed coefficients of the texels.
+    #[cfg(feature = "gpu")]
+    pub(super) fn functions(&self) -> impl Iterator<Item = (usize, &[f32])> {
+        self.texels.iter().map(|texel| (texel.order, &*texel.numbers))
+    }
+
+    /// Whether radiance caching is used in the direction of a texel.
+    #[cfg(feature = "gpu")]
+    pub(super) fn is_cached(&self, texel: usize) -> bool {
+        self.texels[texel].cached
+    }
+
+    /// Whether azimuths are turns.
+    #[cfg(feature = "gpu")]
+    pub(super) fn is_isotropic(&self) -> bool {
+        self.isotropic
     }
 
     /// Order and treatment of a local direction.
@@ -136,8 +159,14 @@ impl HarmonicBrdf {
         nearest.cached.then_some((nearest.order, nearest.error))
     }
 
+    /// Cosine and sine of the angle about the normal by which the function of a local direction must still be turned.
+    #[inline(always)]
+    pub fn turn(&self, wo: Vec3A) -> Vec2 {
+        if self.isotropic { Vec2::new(wo.x, wo.y).try_normalize().unwrap_or(Vec2::X) } else { Vec2::X }
+    }
+
     /// Coefficients for a local direction, packed, of the cached texels around it alone; returns what [`Self::outgoing`] does and
-    /// the cosine and sine of the angle about the normal by which they must still be turned.
+    /// [`Self::turn`].
     #[inline(always)]
     pub(super) fn lobe(&self, wo: Vec3A, out: &mut Sum) -> (Outgoing, Vec2) {
         let outgoing = self.outgoing(wo);
@@ -152,12 +181,10 @@ impl HarmonicBrdf {
                 out[..length].iter_mut().zip(numbers).for_each(|(o, x)| *o += x * share);
             }
         }
-        if self.isotropic {
-            let azimuth = Vec2::new(wo.x, wo.y).try_normalize().unwrap_or(Vec2::X);
-            return (outgoing, azimuth);
+        if !self.isotropic {
+            self.reflect(outgoing.order, wo, out);
         }
-        self.reflect(outgoing.order, wo, out);
-        (outgoing, Vec2::X)
+        (outgoing, self.turn(wo))
     }
 
     /// From the first quadrant to that of `wo`: φ → π − φ, φ → −φ.

@@ -8,7 +8,7 @@ use core::f64::consts::{PI, SQRT_2};
 use std::sync::OnceLock;
 
 /// Bands for a function of order n: its zero half needs more of them than the function itself.
-pub(super) fn bands_for(order: usize) -> usize {
+pub(crate) fn bands_for(order: usize) -> usize {
     (order + order / 3 + 3).min(BANDS)
 }
 
@@ -34,6 +34,12 @@ fn products() -> &'static [[f32; LANES]] {
         }
         sums.into_iter().map(|v| v.map(|x| x as f32)).collect()
     })
+}
+
+/// ∫ Hₗᵐ Yₖᵐ over the hemisphere.
+#[cfg(feature = "gpu")]
+pub(super) fn product(m: usize, k: usize, l: usize) -> f32 {
+    products()[place(m / LANES, k, l)][m % LANES]
 }
 
 /// Vectors of m that hemispherical rows are divided into.

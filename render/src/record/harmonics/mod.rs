@@ -7,6 +7,8 @@
 mod basis;
 mod brdf;
 mod conversion;
+#[cfg(feature = "gpu")]
+pub(crate) mod flat;
 mod gradient;
 mod projection;
 mod read;
@@ -19,6 +21,11 @@ pub use gradient::Gradients;
 pub use projection::Projector;
 pub use read::Reader;
 pub use store::HarmonicsRecord;
+#[cfg(feature = "gpu")]
+pub(crate) use {
+    conversion::bands_for,
+    read::{COSINE_ORDER, SAME_NORMAL, frame_of},
+};
 
 /// How radiance is projected and stored.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -30,10 +30,10 @@ pub struct Reader {
 }
 
 /// Bands of the cosine of the Lambertian part: in the hemispherical basis two hold it, but for turned normals.
-const COSINE_ORDER: usize = 8;
+pub(crate) const COSINE_ORDER: usize = 8;
 
 /// Cosine between normals from which on they count as one: 0.15°.
-const SAME_NORMAL: f32 = 1.0 - 3.5e-6;
+pub(crate) const SAME_NORMAL: f32 = 1.0 - 3.5e-6;
 
 impl Default for Reader {
     fn default() -> Self {
@@ -55,8 +55,7 @@ impl Reader {
     #[inline(always)]
     pub fn look(&mut self, brdf: &HarmonicBrdf, at: &Receiver) -> Outgoing {
         let (outgoing, turn) = brdf.lobe(at.wo, &mut self.lobe);
-        let x = at.frame.to_world(Vec3A::new(turn.x, turn.y, 0.0));
-        self.frame = Frame::with_tangent(at.frame.normal(), x);
+        self.frame = turned(at, turn);
         (self.basis, self.order, self.sphere, self.ready) = (brdf.basis, outgoing.order, None, None);
         outgoing
     }
@@ -122,12 +121,31 @@ impl Reader {
     }
 }
 
+/// The frame of a point, turned about its normal.
+#[inline(always)]
+fn turned(at: &Receiver, turn: Vec2) -> Frame {
+    Frame::with_tangent(at.frame.normal(), at.frame.to_world(Vec3A::new(turn.x, turn.y, 0.0)))
+}
+
+/// The frame of the function that a BRDF has at a point and view.
+#[cfg(feature = "gpu")]
+pub(crate) fn frame_of(brdf: &HarmonicBrdf, at: &Receiver) -> Frame {
+    turned(at, brdf.turn(at.wo))
+}
+
 /// cosθ over the upper hemisphere, 0 below.
 struct Constants {
     hemispherical: Sum,
     spherical: Sum,
     /// In the bands that a hemispherical function is turned by.
     turning: Sum,
+}
+
+/// The cosine in hemispherical functions, in spherical ones, and in those that a hemispherical function is turned by.
+#[cfg(feature = "gpu")]
+pub(super) fn cosines() -> [&'static Sum; 3] {
+    let Constants { hemispherical, spherical, turning } = constants();
+    [hemispherical, spherical, turning]
 }
 
 fn constants() -> &'static Constants {

@@ -100,6 +100,12 @@ const fn column(l: usize, m: usize) -> usize {
     start + (q + 1) * (LANES * q * r + r * (r + 1) / 2) + m * row_length(l) / LANES
 }
 
+/// The element of the quarter turn of band l from m to m′.
+#[cfg(feature = "gpu")]
+pub(super) fn quarter_turn(sine: bool, l: usize, from: usize, to: usize) -> f32 {
+    quarter_columns()[usize::from(sine)][column(l, from) + to / LANES][to % LANES]
+}
+
 /// Columns of the quarter turn, for cosine and for sine terms, which it does not mix.
 fn quarter_columns() -> &'static [Vec<[f32; LANES]>; 2] {
     static COLUMNS: OnceLock<[Vec<[f32; LANES]>; 2]> = OnceLock::new();

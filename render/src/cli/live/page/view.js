@@ -92,12 +92,16 @@ function notice(text, stays = false, wrong = stays) {
   if (text && !stays) noticed = setTimeout(() => { $("notice").hidden = true; }, 5000);
 }
 
+/** Who sums the records of a pixel, by name. */
+const SUMMED = { auto: "the faster way", octree: "pixels look", splat: "drawn on tiles", gpu: "graphics card" };
+
 function offer(told) {
   menu = told;
   document.title = `${menu.scene} – Burnish`;
   $("scene").textContent = menu.scene;
   $("scene").title = menu.scene;
   $("method").replaceChildren(...menu.methods.map(([name]) => new Option(name, name)));
+  $("interpolation").replaceChildren(...menu.interpolations.map((name) => new Option(SUMMED[name], name)));
   $("denoise").disabled = !menu.denoiser;
   $("denoiser").textContent = menu.denoiser ? `(${menu.denoiser})` : "(no denoiser)";
   [canvas.width, canvas.height] = menu.size;

@@ -1,11 +1,13 @@
 //! The surfaces of a picture on the card, some bands of tiles at a time.
 
-use super::programs::{Programs, RUN, groups};
-use super::{eas, irradiance};
+use super::batch::{Batch, Part};
+use super::programs::Programs;
+use super::{eas, harmonics, irradiance};
 use crate::cache::Near;
 use crate::gpu::GpuError;
 use crate::integrator::cached::kind::Found;
 use crate::integrator::cached::kinds::eas::Held;
+use crate::integrator::cached::kinds::harmonics::Held as Mapped;
 use crate::integrator::cached::kinds::{Glossy, Scratches};
 use crate::integrator::cached::policy::Treatment;
 use crate::integrator::cached::shade::Shader;
@@ -24,17 +26,17 @@ pub struct Card<'a> {
     programs: &'static Programs,
     irradiance: Buffer,
     eas: eas::Records,
+    harmonics: harmonics::Records,
 }
 
 /// The surfaces of a tile of pixels, in the order of the pixels.
 #[derive(Default)]
 struct TileWork<'a> {
     /// What is known, and what the card is to find.
-    surfaces: Vec<Slot<'a>>,
-    irradiance: Vec<irradiance::SurfaceRows>,
-    irradiance_near: Vec<u32>,
-    eas: Vec<eas::SurfaceRows>,
-    eas_near: Vec<u32>,
+    slots: Vec<Slot<'a>>,
+    irradiance: Part<irradiance::SurfaceRows>,
+    eas: Part<eas::SurfaceRows>,
+    harmonics: Part<harmonics::SurfaceRows>,
 }
 
 /// A surface.
@@ -42,6 +44,7 @@ enum Slot<'a> {
     Known(Found),
     Irradiance(&'a Surface),
     Eas(&'a Surface, Held),
+    Harmonics(&'a Surface, Mapped),
 }
 
 impl<'a> Card<'a> {
@@ -54,7 +57,8 @@ impl<'a> Card<'a> {
         let (caches, kinds) = (shader.caches, &shader.policy.kinds);
         let irradiance = irradiance::records(programs.device, &caches.irradiance)?;
         let eas = eas::Records::new(programs.device, &caches.glossy.eas, &kinds.eas)?;
-        Ok(Self { shader, programs, irradiance, eas })
+        let harmonics = harmonics::Records::new(programs.device, &caches.glossy.harmonics, &kinds.harmonics)?;
+        Ok(Self { shader, programs, irradiance, eas, harmonics })
     }
 
     /// What records say of the surfaces of whole rows of pixels whose light counts, tile by tile: bands of [`SIDE`] rows from the
@@ -111,96 +115,51 @@ impl<'a> Card<'a> {
         let (shader, kinds) = (self.shader, &self.shader.policy.kinds);
         let mut work = TileWork::default();
         for s in shown {
-            work.surfaces.push(match shader.policy.treatment(s.finish()) {
+            work.slots.push(match shader.policy.treatment(s.finish()) {
                 Treatment::Irradiance => {
-                    work.irradiance.push(irradiance::surface(s));
+                    work.irradiance.surfaces.push(irradiance::surface(s));
                     Slot::Irradiance(s)
                 }
                 Treatment::Glossy(Glossy::Eas(held)) if self.eas.has(held) => {
-                    work.eas.push(eas::surface(&kinds.eas, held, &Shader::shaded(s, &s.parts)));
+                    work.eas.surfaces.push(eas::surface(&kinds.eas, held, &Shader::shaded(s, &s.parts)));
                     Slot::Eas(s, held)
+                }
+                Treatment::Glossy(Glossy::Harmonics(held)) => {
+                    let shaded = Shader::shaded(s, &s.parts);
+                    work.harmonics.surfaces.push(self.harmonics.surface(&kinds.harmonics, held, &shaded));
+                    Slot::Harmonics(s, held)
                 }
                 Treatment::Traced => Slot::Known(Found::NOTHING),
                 Treatment::Glossy(_) => Slot::Known(shader.found(s, &s.parts, scratch)),
             });
         }
-        let listed = |surfaces: usize, near: &Near| if surfaces > 0 { near.records().to_vec() } else { Vec::new() };
-        work.irradiance_near = listed(work.irradiance.len(), &tile.irradiance);
-        work.eas_near = listed(work.eas.len(), &tile.glossy.eas);
+        let listed = |any: bool, near: &Near| if any { near.records().to_vec() } else { Vec::new() };
+        work.irradiance.near = listed(!work.irradiance.surfaces.is_empty(), &tile.irradiance);
+        work.eas.near = listed(!work.eas.surfaces.is_empty(), &tile.glossy.eas);
+        work.harmonics.near = listed(!work.harmonics.surfaces.is_empty(), &tile.glossy.harmonics);
         work
     }
 
     /// Runs the card on some tiles.
     fn run(&self, work: Vec<TileWork>) -> Result<Vec<Vec<Found>>, GpuError> {
-        let Programs { device, irradiance: of_irradiance, eas: of_eas } = self.programs;
-        let irradiance = Batch::new(work.iter().map(|w| (&w.irradiance[..], &w.irradiance_near[..])));
-        let eas = Batch::new(work.iter().map(|w| (&w.eas[..], &w.eas_near[..])));
-        let (mut diffuse, mut glossy) = (Vec::new(), Vec::new());
-        if !irradiance.surfaces.is_empty() {
-            let [tiles, near, surfaces, sums] = irradiance.buffers::<irradiance::SumRows>(device)?;
-            for first in irradiance.runs(device)? {
-                let bound = [&tiles, &near, &surfaces, &self.irradiance, &sums, &first];
-                device.run(of_irradiance, &bound, irradiance.groups());
-            }
-            diffuse = device.read(&sums)?;
-        }
-        if !eas.surfaces.is_empty() {
-            let [tiles, near, surfaces, sums] = eas.buffers::<eas::SumRows>(device)?;
-            let eas::Records { records, sources, lobes, tables, .. } = &self.eas;
-            for first in eas.runs(device)? {
-                let bound = [&tiles, &near, &surfaces, records, &sums, &first, sources, lobes, tables];
-                device.run(of_eas, &bound, eas.groups());
-            }
-            glossy = device.read(&sums)?;
-        }
-        let (mut diffuse, mut glossy) = (diffuse.into_iter(), glossy.into_iter());
+        let Programs { device, irradiance, eas, harmonics } = self.programs;
+        let batch = Batch::new(work.iter().map(|w| &w.irradiance));
+        let mut diffuse = batch.sums(device, irradiance, &self.irradiance, &[])?.into_iter();
+        let eas::Records { records, sources, lobes, tables, .. } = &self.eas;
+        let batch = Batch::new(work.iter().map(|w| &w.eas));
+        let mut glossy = batch.sums(device, eas, records, &[sources, lobes, tables])?.into_iter();
+        let harmonics::Records { records, numbers, lobes, constants, .. } = &self.harmonics;
+        let batch = Batch::new(work.iter().map(|w| &w.harmonics));
+        let mut turned = batch.sums(device, harmonics, records, &[numbers, lobes, constants])?.into_iter();
+        let kind = &self.shader.policy.kinds.harmonics;
         let mut of = |slot: &Slot| match slot {
             Slot::Known(found) => *found,
             Slot::Irradiance(s) => Shader::diffuse_found(s, &s.parts, diffuse.next().and_then(irradiance::found)),
             Slot::Eas(s, held) => glossy.next().map_or(Found::NOTHING, |rows| eas::sum(rows).found(*held, &s.parts)),
+            Slot::Harmonics(s, held) => turned
+                .next()
+                .map_or(Found::NOTHING, |rows| harmonics::found(kind, *held, &Shader::shaded(s, &s.parts), rows)),
         };
-        Ok(work.iter().map(|w| w.surfaces.iter().map(&mut of).collect()).collect())
-    }
-}
-
-/// Tiles side by side.
-struct Batch<S> {
-    /// First surface, surfaces, first record and records of each.
-    tiles: Vec<[u32; 4]>,
-    near: Vec<u32>,
-    surfaces: Vec<S>,
-}
-
-impl<S: bytemuck::Pod> Batch<S> {
-    /// Those that have surfaces.
-    fn new<'a>(tiles: impl Iterator<Item = (&'a [S], &'a [u32])>) -> Self {
-        let mut batch = Self { tiles: Vec::new(), near: Vec::new(), surfaces: Vec::new() };
-        for (surfaces, near) in tiles.filter(|(surfaces, _)| !surfaces.is_empty()) {
-            let firsts = [batch.surfaces.len() as u32, batch.near.len() as u32];
-            batch.tiles.push([firsts[0], surfaces.len() as u32, firsts[1], near.len() as u32]);
-            batch.surfaces.extend(surfaces);
-            batch.near.extend(near);
-        }
-        batch
-    }
-
-    /// The first record of every run, until all tiles have had theirs.
-    fn runs(&self, device: &crate::gpu::Device) -> Result<Vec<Buffer>, GpuError> {
-        let most = self.tiles.iter().map(|tile| tile[3]).max().unwrap_or(0);
-        (0..most).step_by(RUN as usize).map(|first| device.upload("the first record of a run", &[first])).collect()
-    }
-
-    fn groups(&self) -> [u32; 3] {
-        groups(self.tiles.len(), self.tiles.iter().map(|tile| tile[1]).max().unwrap_or(0))
-    }
-
-    /// Tiles, records, surfaces, and room for sums of this type.
-    fn buffers<Sums>(&self, device: &crate::gpu::Device) -> Result<[Buffer; 4], GpuError> {
-        Ok([
-            device.upload("the tiles", &self.tiles)?,
-            device.upload("the records of tiles", &self.near)?,
-            device.upload("the surfaces of tiles", &self.surfaces)?,
-            device.room("the sums of surfaces", (self.surfaces.len() * size_of::<Sums>()) as u64)?,
-        ])
+        Ok(work.iter().map(|w| w.slots.iter().map(&mut of).collect()).collect())
     }
 }

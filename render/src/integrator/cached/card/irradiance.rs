@@ -10,18 +10,18 @@ use crate::record::irradiance::IrradianceRecord;
 use glam::Vec3A;
 use wgpu::Buffer;
 
-/// Rows of a surface, of a record, and of sums.
+/// Rows of a surface and of sums.
 pub type SurfaceRows = [Row; 3];
-type RecordRows = [Row; 9];
 pub type SumRows = [Row; 2];
 
 /// All records.
 pub fn records(device: &Device, cache: &Cache<IrradianceRecord>) -> Result<Buffer, GpuError> {
-    let rows: Vec<RecordRows> = cache.records().iter().map(rows).collect();
-    device.upload("the irradiance records", &rows)
+    let all: Vec<_> = cache.records().iter().map(rows).collect();
+    device.upload("the irradiance records", &all)
 }
 
-fn rows(record: &IrradianceRecord) -> RecordRows {
+/// A record as the shader has it.
+pub fn rows(record: &IrradianceRecord) -> [[u32; 4]; 9] {
     let [tx, ty, tz] = record.translation.map(|v| number(v, 0.0));
     let [rx, ry, rz] = record.rotation.map(|v| number(v, 0.0));
     let irradiance = number(record.irradiance, 0.0);

@@ -21,6 +21,17 @@ struct Sums {
     weights: f32,
 }
 
+// What a record says of a surface: irradiance by its gradients.
+fn irradiance_of(r: u32, s: Surface) -> vec3f {
+    let moved = s.position - records[r].position;
+    let turned = cross(records[r].normal, s.normal);
+    var e = records[r].irradiance;
+    for (var c = 0u; c < 3u; c++) {
+        e[c] += dot(moved, records[r].translation[c]) + dot(turned, records[r].rotation[c]);
+    }
+    return max(e, vec3f(0.0));
+}
+
 @compute @workgroup_size({{THREADS}})
 fn sum_irradiance(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let tile = tile_of(group);
@@ -33,13 +44,7 @@ fn sum_irradiance(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
             let r = near[k];
             let w = weight(s.position, s.hemisphere, records[r].position, records[r].normal, records[r].radius);
             if w > 0.0 {
-                let moved = s.position - records[r].position;
-                let turned = cross(records[r].normal, s.normal);
-                var e = records[r].irradiance;
-                for (var c = 0u; c < 3u; c++) {
-                    e[c] += dot(moved, records[r].translation[c]) + dot(turned, records[r].rotation[c]);
-                }
-                sum.irradiance += max(e, vec3f(0.0)) * w;
+                sum.irradiance += irradiance_of(r, s) * w;
                 sum.radius += records[r].radius * w;
                 sum.weights += w;
             }

@@ -38,7 +38,7 @@ impl Harmonics {
         functions: &mut Functions,
     ) -> Found {
         let brdf = &self.brdfs[held.brdf];
-        let (at, parts) = (&surface.at, surface.parts);
+        let at = &surface.at;
         let outgoing = functions.look(brdf, at);
         if outgoing.traced >= 1.0 {
             return Found::NOTHING;
@@ -52,10 +52,30 @@ impl Harmonics {
                 weights += w;
             }
         });
+        self.judged(held, surface, (sum.irradiance, sum.specular), weights, outgoing.traced)
+    }
+
+    /// What sums of irradiance and of specular light at unit strength say, with the weights in them.
+    #[inline(always)]
+    fn judged(&self, held: Held, surface: &Shaded, sums: (Rgb, Rgb), weights: f32, traced: f32) -> Found {
+        let (parts, (irradiance, specular)) = (surface.parts, sums);
         let light = (weights > FOUND).then(|| Split {
-            diffuse: parts.diffuse * mean_radiance(sum.irradiance / weights),
-            glossy: brdf.color(parts, at.wo) * (sum.specular / weights),
+            diffuse: parts.diffuse * mean_radiance(irradiance / weights),
+            glossy: self.brdfs[held.brdf].color(parts, surface.at.wo) * (specular / weights),
         });
-        Found { light, traced: outgoing.traced, doubt: 0.0 }
+        Found { light, traced, doubt: 0.0 }
+    }
+
+    /// The same of sums that another has taken.
+    #[cfg(feature = "gpu")]
+    pub(in crate::integrator::cached) fn found(
+        &self,
+        held: Held,
+        surface: &Shaded,
+        sums: (Rgb, Rgb),
+        weights: f32,
+    ) -> Found {
+        let traced = self.brdfs[held.brdf].outgoing(surface.at.wo).traced;
+        if traced >= 1.0 { Found::NOTHING } else { self.judged(held, surface, sums, weights, traced) }
     }
 }
