@@ -106,14 +106,14 @@ fn coats_are_sums_of_their_parts() {
     records("plastic", Allowed::Irradiance, &smooth);
     let clear = floor(|s| {
         let (coat, base) = (push(s, mirror()), push(s, phong(20.0, 0.2)));
-        Material::Coat { weight: FloatTexture::Constant(1.0), coat, base }
+        Material::Coat { added: false, weight: FloatTexture::Constant(1.0), coat, base }
     });
     assert!(records("clear coat over 20", Allowed::Auto, &clear) > 0);
     let deep = floor(|s| {
         let inner = blend(s, FloatTexture::Constant(0.4), plastic(), phong(30.0, 0.1));
         let inner = push(s, inner);
         let coat = push(s, phong(200.0, 0.0));
-        Material::Coat { weight: FloatTexture::Constant(1.0), coat, base: inner }
+        Material::Coat { added: false, weight: FloatTexture::Constant(1.0), coat, base: inner }
     });
     records("glossy coat over a blend of plastic and 30", Allowed::Auto, &deep);
 }

@@ -262,7 +262,8 @@ fn substitutes_are_announced_once() {
     for (bsdf, what) in [
         ("<bsdf type='roughdiffuse'/>", "`roughdiffuse` is drawn as `diffuse`"),
         ("<bsdf type='coating'><bsdf type='diffuse'/></bsdf>", "drawn as the bsdf inside"),
-        ("<bsdf type='principled'/>", "`principled` is drawn with"),
+        ("<bsdf type='principled'><float name='flatness' value='0.5'/></bsdf>", "drawn without its `flatness`"),
+        ("<bsdf type='principled'><float name='spec_trans' value='1'/></bsdf>", "drawn without its `spec_trans`"),
         (
             "<bsdf type='roughplastic'><texture type='checkerboard' name='alpha'/></bsdf>",
             "`alpha` of `roughplastic` is drawn as its mean",
