@@ -77,7 +77,7 @@ def area(light):
 
 
 def shining(name, radiance, hidden):
-    """A black material that shines from its front, and is not there from behind; nor for the camera where it is hidden."""
+    """A black material that shines from its front and is not seen from behind; nor by the camera where it is hidden."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     node = next(n for n in made.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
@@ -92,7 +92,7 @@ def shining(name, radiance, hidden):
 
 
 def area_mesh(light, matrix, hidden):
-    """An area lamp as a mesh. Cycles spreads the watts over four times the area, a π'th less than a Lambertian lamp would."""
+    """An area lamp as a mesh: its watts leave the front of its area as from a Lambertian lamp."""
     corners = area(light)
     mesh = bpy.data.meshes.new(light.name)
     mesh.from_pydata(corners, [], [list(range(len(corners)))])
@@ -108,7 +108,7 @@ def area_mesh(light, matrix, hidden):
 
 
 def ball_mesh(light, hidden):
-    """A point lamp with a radius as a ball."""
+    """A point lamp with a radius r as a ball. (Blender's soft falloff is dimmer at a distance d, by r²/d² of it.)"""
     mesh = bpy.data.meshes.new(light.name)
     made = bmesh.new()
     bmesh.ops.create_icosphere(made, subdivisions=4, radius=light.shadow_soft_size)

@@ -362,7 +362,7 @@ def left_out():
 
 
 def area_lamps():
-    """A lamp as Blender has them before a white wall of twice its width, one unit behind; it shines on the wall or on the camera."""
+    """A lamp as Blender has them before a large white wall, one unit behind; it shines on the wall or on the camera."""
     for name, turn, extras in [
         ("away", (0, 1, 0, 0), {"area_lamp": True}),
         ("towards", (0, 0, 0, 1), {"area_lamp": 1}),
@@ -379,7 +379,7 @@ def area_lamps():
         file.json["extensionsUsed"] = ["KHR_materials_specular"]
         file.json["meshes"].append({"primitives": [file.primitive | {"material": 1}]})
         file.node(mesh=0, rotation=list(turn))
-        file.node(mesh=1, scale=[2, 2, 2], translation=[0, 0, -1])
+        file.node(mesh=1, scale=[4, 4, 1], translation=[0, 0, -1])
         file.write(f"valid/gltf-area-lamp/{name}.gltf")
 
 

@@ -54,16 +54,17 @@ def area_not_normalized():
     lamp("AREA", 12, at=(1, -1, 3), turn=(20, 20, 0), shape="RECTANGLE", size=1.5, size_y=0.8, normalize=False)
 
 
-def area_over_a_lamp():
-    """Light passes an area lamp from behind."""
+def lamps_in_the_picture():
+    """One that the camera sees, one that it looks through from behind, one that it is told not to see."""
     shown()
-    lamp("AREA", 60, at=(0, -0.5, 2.6), shape="SQUARE", size=1.5)
-    lamp("POINT", 500, at=(0, -0.5, 4.5))
+    lamp("AREA", 30, at=(-2, 2, 2), turn=(-100, 0, 160), shape="SQUARE", size=1.2).visible_camera = True
+    lamp("AREA", 50, at=(1.0, -2, 1.2), turn=(70, 0, 0), shape="DISK", size=0.8, rgb=(0.5, 0.7, 1)).visible_camera = True
+    lamp("POINT", 60, at=(2, 1, 1.6), size=0.15)
 
 
 def point_with_radius():
     shown()
-    lamp("POINT", 300, at=(1.2, -1.6, 2.2), size=0.4)
+    lamp("POINT", 300, at=(1.2, -1.6, 2.2), size=0.25)
 
 
 def warm_lamp():
@@ -137,7 +138,7 @@ def whole():
 
 
 SCENES = [
-    areas, area_not_normalized, area_over_a_lamp, point_with_radius, warm_lamp, even_world, world_of_nodes, depth_of_field,
+    areas, area_not_normalized, lamps_in_the_picture, point_with_radius, warm_lamp, even_world, world_of_nodes, depth_of_field,
     second_camera, exposed, whole,
 ]
 

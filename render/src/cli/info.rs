@@ -229,11 +229,13 @@ fn materials(scene: &Scene) -> Vec<MaterialInfo> {
     let named = scene.materials.iter().enumerate().filter(|(_, m)| m.children().next().is_none());
     let info = |(i, material): (usize, &Material)| {
         let debug = format!("{material:?}");
+        let auto = outlook(material);
+        let recorded = !auto.starts_with("path traced");
         MaterialInfo {
             name: scene.material_names.get(i).filter(|n| !n.is_empty()).cloned().unwrap_or(format!("material {i}")),
             model: debug.split([' ', '(']).next().unwrap_or_default().into(),
-            auto: outlook(material),
-            approximated: approximation(material),
+            approximated: approximation(material).filter(|_| recorded),
+            auto,
         }
     };
     named.map(info).collect()

@@ -261,7 +261,7 @@ impl Builder<'_> {
     }
 }
 
-/// Whether a material is that of a lamp as Blender has them: it shines from its front, and from behind nothing is there; then
+/// Whether a material is that of a lamp as Blender has them: it shines from its front, and is not seen from behind; then
 /// whether the camera does not see it. Both are custom properties, `area_lamp` and `hidden_from_camera`.
 fn lamp(source: &gltf::Material) -> Option<bool> {
     let extras: serde_json::Value = serde_json::from_str(source.extras().as_ref()?.get()).ok()?;
