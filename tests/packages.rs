@@ -130,6 +130,14 @@ fn published_packages_are_described() {
     assert_eq!(found, PUBLISHED.map(|(name, ..)| name));
 }
 
+/// What code includes, tests and comments aside: they may read what only the repository has.
+fn included(text: &str) -> Vec<&str> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let targets = lines.flat_map(|line| line.split("include_").skip(1)).map(|rest| rest.split('"').nth(1));
+    targets.flatten().collect()
+}
+
 /// What is in a package: code, licences and its page, what the code includes, and nothing that only tests and documents need.
 #[test]
 fn packages_hold_what_they_need() {
@@ -147,19 +155,14 @@ fn packages_hold_what_they_need() {
         let bytes: u64 = files.iter().filter_map(|file| std::fs::metadata(here.join(file)).ok()).map(|m| m.len()).sum();
         println!("{name}: {} files, {bytes} bytes", files.len());
         assert!(bytes < most, "{name}: {bytes} bytes");
-        let included = |text: &str| text.contains("include_bytes!") || text.contains("include_str!");
         for file in files.iter().filter(|file| file.starts_with("src/") && file.ends_with(".rs")) {
             let text = std::fs::read_to_string(here.join(file)).unwrap();
-            // Tests may read what only the repository has.
-            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-            for line in code.lines().filter(|line| included(line) && !line.trim_start().starts_with("//")) {
-                for target in line.split('"').skip(1).step_by(2).filter(|target| target.contains('.')) {
-                    let from = Path::new(file).parent().unwrap().join(target);
-                    let path = here.join(from).canonicalize().unwrap();
-                    let inside = path.strip_prefix(here.canonicalize().unwrap());
-                    let inside = inside.unwrap_or_else(|_| panic!("{name}: {file} includes {target}"));
-                    assert!(files.iter().any(|file| Path::new(file) == inside), "{name} lacks {}", inside.display());
-                }
+            for target in included(&text) {
+                let from = here.join(Path::new(file).parent().unwrap().join(target));
+                let path = from.canonicalize().unwrap_or_else(|e| panic!("{name}: {}: {e}", from.display()));
+                let inside = path.strip_prefix(here.canonicalize().unwrap()).map(Path::to_path_buf);
+                let inside = inside.unwrap_or_else(|_| panic!("{name}: {file} includes {target}"));
+                assert!(files.iter().any(|file| Path::new(file) == inside), "{name} lacks {}", inside.display());
             }
         }
     }

@@ -36,6 +36,10 @@ def warn(what):
     print(f"draw.py: {what}", file=sys.stderr)
 
 
+class Wrong(Exception):
+    """What cannot be drawn, in words."""
+
+
 def arguments():
     """Ours, and those of `render image`."""
     given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
@@ -191,7 +195,8 @@ def bake(world, path, width):
     settings = scene.render
     settings.engine, settings.filepath = "CYCLES", str(path)
     settings.resolution_x, settings.resolution_y, settings.resolution_percentage = width, width // 2, 100
-    settings.image_settings.file_format, settings.image_settings.color_depth = "OPEN_EXR", "32"
+    kind = settings.image_settings
+    kind.file_format, kind.color_mode, kind.color_depth, kind.exr_codec = "OPEN_EXR", "RGB", "32", "ZIP"
     scene.view_settings.view_transform = "Raw"
     scene.cycles.device, scene.cycles.samples = "CPU", 16
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
@@ -270,9 +275,9 @@ def main():
     if ours.frame is not None:
         scene.frame_set(ours.frame)
     if scene.camera is None:
-        sys.exit("draw.py: the scene has no active camera")
+        raise Wrong("the scene has no active camera")
     if not ours.export_only and not outputs(given):
-        sys.exit("draw.py: -o FILE is missing after --")
+        raise Wrong("-o FILE is missing after --")
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(ours.export or pathlib.Path(folder) / "scene.glb").absolute()
         lossless = not ours.export_only and all(o.endswith(".exr") for o in outputs(given))
@@ -291,9 +296,10 @@ def main():
 
 try:
     code = main()
-except FileNotFoundError as error:
-    print(f"draw.py: {error}", file=sys.stderr)
+except (Wrong, OSError, RuntimeError) as error:
+    warn(str(error).strip().splitlines()[-1])
     code = 2
 # Blender goes on after a script that ends.
 sys.stdout.flush()
-os._exit(code) if bpy.app.background else sys.exit(code)
+sys.stderr.flush()
+os._exit(code)
