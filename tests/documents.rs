@@ -6,8 +6,11 @@ mod links;
 use std::path::{Path, PathBuf};
 
 /// The pages that teach a user, and those of figures, from the root.
-const PAGES: [&str; 10] = [
+const PAGES: [&str; 13] = [
     "README.md",
+    "CONTRIBUTING.md",
+    "doc/cookbook.md",
+    "doc/gallery.md",
     "brdf-tables/README.md",
     "brdf-tables/python/README.md",
     "fitter/README.md",

@@ -6,5 +6,7 @@ mod documents;
 mod hostile;
 /// Reflection models: reciprocity, energy, sampling, precision, recipes.
 mod models;
+/// Packages: licences, compilers, what a registry asks for.
+mod packages;
 /// The mean BRDF: truths, errors of every representation, limits, the file.
 mod tables;

@@ -94,6 +94,18 @@ fn of_a_family(bencher: Bencher, name: &str) {
     run(bencher, family_table(name).mean().expect("a glossy material"));
 }
 
+/// A table of one's own, of measured data for example: `TABLE=satin.tbl cargo bench -p brdf-tables -- named`.
+#[divan::bench]
+fn named(bencher: Bencher) {
+    match std::env::var_os("TABLE") {
+        None => println!("no TABLE is named"),
+        Some(path) => {
+            let table = Table::load(path).expect("TABLE is a table");
+            run(bencher, table.mean().expect("a glossy material"));
+        }
+    }
+}
+
 /// Making such a table.
 #[divan::bench(args = ["phong-100", "ggx-0.3", "ggx-0.1"])]
 fn family_table_made(bencher: Bencher, name: &str) {

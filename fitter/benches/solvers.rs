@@ -1,5 +1,5 @@
 //! The solvers side by side on mean Phong lobes, and the time that
-//! Levenberg–Marquardt spends outside of the problem: `cargo bench -p fitter --bench solvers`.
+//! Levenberg–Marquardt spends outside of the problem: `cargo bench -p burnish-fitter --bench solvers`.
 
 #[path = "../tests/solvers/lobes.rs"]
 mod lobes;

@@ -1,5 +1,5 @@
 //! Every accuracy figure of the README, measured anew:
-//! `cargo run --release -p fitter --example figures [CAPS [MATERIAL…]]`.
+//! `cargo run --release -p burnish-fitter --example figures [CAPS [MATERIAL…]]`.
 //!
 //! Fits each material (all of the README's where none is named) with the default preset and measures it at CAPS (500)
 //! random caps off the nodes, against deterministic quadrature. Phong takes minutes, a microfacet model up to ten of them

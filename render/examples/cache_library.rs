@@ -1,5 +1,5 @@
 //! The glossy cache in another renderer: what a pixel shows and what light comes along a ray are closures.
-//! `cargo run --release -p render --no-default-features --example cache_library -- tables/phong-100.tbl`
+//! `cargo run --release -p burnish-render --no-default-features --example cache_library -- tables/phong-100.tbl`
 
 use brdf_tables::table::Table;
 use glam::Vec3A;

@@ -1,6 +1,6 @@
 //! What each of the numbers behind τ costs and buys: rays, time, records, memory and error where it is made smaller and larger.
 //! Rays, records and errors are the same on any machine.
-//! `cargo run --release -p render --example knobs -- [SCENE [WIDTH [TAU]]]`
+//! `cargo run --release -p burnish-render --example knobs -- [SCENE [WIDTH [TAU]]]`
 
 use render::cache::Spacing;
 use render::film::render;

@@ -1,6 +1,6 @@
 //! Table 1 of "Radiance Cache Splatting" (2005) again: the error of irradiances from a picture on a plane above the record, with its
 //! border black, rescaled or extended to the horizon, beside a stratified hemisphere of as many rays. First bounce only.
-//! `cargo run --release -p render --example plane -- SCENE [POINTS [SIDE]]`
+//! `cargo run --release -p burnish-render --example plane -- SCENE [POINTS [SIDE]]`
 
 use rayon::prelude::*;
 use render::camera::RayGenerator;

@@ -1,7 +1,7 @@
 //! Makes the binary files of `tests/scenes/assets`: a sky, an environment with one bright texel, a normal map, and an
 //! object to look at materials on.
 //!
-//!     cargo run --release -p render --example scene_assets
+//!     cargo run --release -p burnish-render --example scene_assets
 
 use flate2::{Compression, write::ZlibEncoder};
 use glam::{Vec2, Vec3};

@@ -140,6 +140,7 @@ impl RayGenerator {
             direction: through / length,
             t_min: self.clip.0 * length,
             t_max: self.clip.1 * length,
+            from_camera: true,
         }
     }
 
@@ -154,6 +155,7 @@ impl RayGenerator {
                 direction: self.to_world.matrix3.z_axis.normalize(),
                 t_min: self.clip.0,
                 t_max: self.clip.1,
+                from_camera: true,
             };
         }
         let through = self.to_world.matrix3 * Vec3A::from(place.extend(1.0));
@@ -163,6 +165,7 @@ impl RayGenerator {
             direction: through / length,
             t_min: self.clip.0 * length,
             t_max: self.clip.1 * length,
+            from_camera: true,
         }
     }
 

@@ -13,13 +13,15 @@ pub struct Ray {
     pub t_min: f32,
     /// Hits at this distance or beyond do not count.
     pub t_max: f32,
+    /// Whether it begins at the camera, from which some lamps are not seen.
+    pub from_camera: bool,
 }
 
 impl Ray {
     /// The whole half line.
     #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY, from_camera: false }
     }
 }
 

@@ -74,7 +74,7 @@ fn commands_of_manuals_are_understood() {
 #[test]
 fn mistakes_in_commands_are_found() {
     assert_eq!(
-        calls("a && /usr/bin/time -v render info b | fitter query c < d; cargo run -p render"),
+        calls("a && /usr/bin/time -v render info b | fitter query c < d; cargo run -p burnish-render"),
         [vec!["render", "info", "b"], vec!["fitter", "query", "c"],]
     );
     let text = "```sh\nfitter info a  # b\n```\nrender this\n\n    render image a \\\n        -o b\n";

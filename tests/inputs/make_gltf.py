@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the glTF files of gltf-skin, gltf-instances, gltf-quantized, gltf-animation and gltf-left-out, valid and
+"""Writes the glTF files of gltf-area-lamp, gltf-skin, gltf-instances, gltf-quantized, gltf-animation and gltf-left-out, valid and
 invalid: python3 make_gltf.py
 
 A glowing square from (-1, -1) to (1, 1), seen from z = 5 by a camera of four by four units."""
@@ -361,7 +361,30 @@ def left_out():
     file.write("valid/gltf-morph/zeros.gltf")
 
 
+def area_lamps():
+    """A lamp as Blender has them before a large white wall, one unit behind; it shines on the wall or on the camera."""
+    for name, turn, extras in [
+        ("away", (0, 1, 0, 0), {"area_lamp": True}),
+        ("towards", (0, 0, 0, 1), {"area_lamp": 1}),
+        ("hidden", (0, 0, 0, 1), {"area_lamp": True, "hidden_from_camera": True}),
+        ("hidden_away", (0, 1, 0, 0), {"area_lamp": True, "hidden_from_camera": True}),
+        ("plain", (0, 1, 0, 0), {"area_lamp": False, "hidden_from_camera": True}),
+    ]:
+        file = File()
+        file.json["asset"]["generator"] = "Khronos glTF Blender I/O v4.5.49"
+        file.json["materials"][0] |= {"extras": extras, "doubleSided": True}
+        specular = {"KHR_materials_specular": {"specularFactor": 0}}
+        white = {"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}, "extensions": specular}
+        file.json["materials"].append(white)
+        file.json["extensionsUsed"] = ["KHR_materials_specular"]
+        file.json["meshes"].append({"primitives": [file.primitive | {"material": 1}]})
+        file.node(mesh=0, rotation=list(turn))
+        file.node(mesh=1, scale=[4, 4, 1], translation=[0, 0, -1])
+        file.write(f"valid/gltf-area-lamp/{name}.gltf")
+
+
 if __name__ == "__main__":
+    area_lamps()
     skins()
     instances()
     animations()

@@ -20,7 +20,7 @@ import time
 try:
     import bpy
     import numpy as np
-    import OpenEXR
+    import OpenEXR  # noqa: F401
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(0)
@@ -28,23 +28,11 @@ except ImportError as error:
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from blender_scenes import animation, cameras, files, geometry, glass, lights, materials, textures  # noqa: E402, F401
 from blender_scenes.kit import SCENES  # noqa: E402
+from blender_scenes.measure import Quiet, blocks, cycles, read  # noqa: E402
 
 MEAN, BLOCKS = 0.035, 0.065
 # Channels darker than this are judged as if they had it.
 DARK = 0.02
-BLOCK = 8
-
-
-def read(path):
-    """RGB of an EXR file, in double precision."""
-    channels = OpenEXR.File(str(path), separate_channels=True).parts[0].channels
-    names = {name.rsplit(".", 1)[-1]: name for name in channels if "." not in name or "Combined" in name}
-    return np.stack([np.asarray(channels[names[c]].pixels, dtype=np.float64) for c in "RGB"], -1)
-
-
-def blocks(picture):
-    h, w = (n // BLOCK for n in picture.shape[:2])
-    return picture[: h * BLOCK, : w * BLOCK].reshape(h, BLOCK, w, BLOCK, 3).mean((1, 3))
 
 
 def export(scene, folder):
@@ -58,23 +46,6 @@ def export(scene, folder):
     usual |= {"export_lights": True, "export_animations": False, "export_apply": True}
     bpy.ops.export_scene.gltf(filepath=str(path), **(usual | scene.export))
     return path
-
-
-def cycles(scene, path):
-    """Draws the scene that is open: no clamping, no denoising, paths as long as ours, linear light."""
-    bpy.context.scene.frame_set(scene.frame)
-    settings, how = bpy.context.scene.render, bpy.context.scene.cycles
-    settings.engine, settings.filepath = "CYCLES", str(path)
-    settings.image_settings.file_format, settings.image_settings.color_depth = "OPEN_EXR", "32"
-    settings.resolution_percentage = 100
-    bpy.context.scene.view_settings.view_transform = "Raw"
-    how.device, how.samples, how.use_adaptive_sampling, how.use_denoising = "CPU", scene.samples, False, False
-    how.sample_clamp_direct = how.sample_clamp_indirect = how.blur_glossy = 0
-    how.pixel_filter_type = "BOX"
-    for bounces in ("max", "diffuse", "glossy", "transmission"):
-        setattr(how, f"{bounces}_bounces", 64)
-    how.transparent_max_bounces = 256
-    bpy.ops.render.render(write_still=True)
 
 
 def ours(render, scene, path, out):
@@ -98,7 +69,8 @@ def judge(scene, render, folder):
     if missing:
         return f"no warning tells {missing}", said[-300:]
     if not truth.exists():
-        cycles(scene, truth)
+        bpy.context.scene.frame_set(scene.frame)
+        cycles(truth, scene.samples)
     mine, right = blocks(read(out)), blocks(read(truth))
     mean, wanted = mine.mean((0, 1)), right.mean((0, 1))
     off = (mean - wanted) / np.maximum(wanted, DARK)
@@ -108,21 +80,6 @@ def judge(scene, render, folder):
     worst = 100 * off[np.abs(off).argmax()]
     line = f"ours {numbers(mean)}, Cycles {numbers(wanted)}, mean {worst:+.1f} %, blocks {100 * rms:.1f} %"
     return "" if good else "differs", line
-
-
-class Quiet:
-    """Takes what Blender prints away from standard output."""
-
-    def __enter__(self):
-        sys.stdout.flush()
-        self.kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, 1)
-        os.close(nowhere)
-
-    def __exit__(self, *_):
-        sys.stdout.flush()
-        os.dup2(self.kept, 1)
-        os.close(self.kept)
 
 
 def main():

@@ -59,7 +59,7 @@ def main():
     parser.add_argument("--robust", action="store_true", help="Embree in its watertight mode, which ours always is")
     parser.add_argument("--bench", help="the bench, where it is built already")
     arguments = parser.parse_args()
-    command = [arguments.bench, "--bench"] if arguments.bench else ["cargo", "bench", "-q", "-p", "render", "--bench", "rays"]
+    command = [arguments.bench, "--bench"] if arguments.bench else ["cargo", "bench", "-q", "-p", "burnish-render", "--bench", "rays"]
     mine, theirs = {}, {}
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(arguments.rounds):

@@ -1,4 +1,4 @@
-//! The accuracy table of `fitter/doc/measurements.md` at fewer caps than `cargo run --release -p fitter --example figures`.
+//! The accuracy table of `fitter/doc/measurements.md` at fewer caps than `cargo run --release -p burnish-fitter --example figures`.
 
 use super::{fitted, microfacet, phong, rng, ward};
 use brdf_tables::brdf::{Distribution, Specular, WardVariant};

@@ -1,4 +1,4 @@
-//! What a picture is made of, piece by piece, on one core: `cargo bench -p render --bench rays [-- FILTER]`.
+//! What a picture is made of, piece by piece, on one core: `cargo bench -p burnish-render --bench rays [-- FILTER]`.
 //!
 //! divan reports items (rays, vertices, samples, look-ups) per second. Scenes that are not there are left out. With
 //! `RAYS_EXPORT=DIR` the triangles and rays are written to DIR instead, with our seconds for them: what

@@ -5,6 +5,7 @@
 //! that what is known of each can be summed without noise.
 
 use super::layers::schlick_rise;
+use super::resolve::{Choice, Pick};
 use super::{Bsdf, Glossy, Mirror, Model, Parts, RoughCoat, SmoothCoat};
 use crate::scene::{ColorTexture, FloatTexture, Material, MaterialId, Rgb, Scene};
 use crate::world::{Interaction, World};
@@ -17,7 +18,7 @@ const MOST_CHOICES: u32 = 6;
 pub struct Component<'a> {
     /// The choices that lead to it, a bit each, after a leading one.
     pub index: u8,
-    /// Share of it.
+    /// Share of it; those of all may be more than 1, where a coat is added.
     pub weight: f32,
     /// How it scatters.
     pub bsdf: Bsdf<'a>,
@@ -94,11 +95,16 @@ impl World {
     #[inline]
     fn along(&self, at: &Interaction, choices: Choices) -> (Choices, f32, Bsdf<'_>) {
         let (mut taken, mut weight) = (Choices::NONE, 1.0);
-        let bsdf = self.resolve(at, |share, _| {
+        let bsdf = self.resolve(at, |choice, _| {
             let second = choices.get(taken.count());
-            weight *= if second { share } else { 1.0 - share };
+            weight *= match (choice, second) {
+                (Choice::Blend(share), true) => share,
+                (Choice::Blend(share), false) => 1.0 - share,
+                (Choice::Sum(strength), true) => strength,
+                (Choice::Sum(_), false) => 1.0,
+            };
             taken = taken.with(second);
-            second
+            if second { Pick::Second } else { Pick::First }
         });
         (taken, weight, bsdf)
     }
@@ -107,15 +113,16 @@ impl World {
 impl Bsdf<'_> {
     /// Rough estimate of the share of light that is reflected but by a Lambertian part.
     pub(crate) fn reflectance(&self) -> Rgb {
-        match &self.model {
+        let own = match &self.model {
             Model::Glossy(m) => m.specular,
             Model::RoughCoat(m) => m.reflectance(self.wo),
             Model::MetallicRoughness(m) => {
                 let Parts { specular, grazing, .. } = m.parts(self.wo);
                 specular + (grazing - specular) * schlick_rise(self.wo.z)
             }
-            _ => self.albedo(),
-        }
+            _ => self.own_albedo(),
+        };
+        own + self.coat.map_or(Rgb::ZERO, |coat| coat.reflectance(self.wo))
     }
 }
 
@@ -148,6 +155,10 @@ pub(crate) fn has_base(material: &Material) -> bool {
         | Material::RoughPlastic { diffuse, .. } => !black(diffuse),
         Material::MetallicRoughness { base_color, metallic, .. } => {
             !black(base_color) && *metallic != FloatTexture::Constant(1.0)
+        }
+        Material::Principled { base_color, metallic, sheen, .. } => {
+            let base = !black(base_color) || *sheen != FloatTexture::Constant(0.0);
+            base && *metallic != FloatTexture::Constant(1.0)
         }
         _ => false,
     }

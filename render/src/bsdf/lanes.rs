@@ -34,7 +34,7 @@ impl<'a> Bsdf<'a> {
     /// The model, if code in lanes knows it and nothing bends its normal.
     #[inline(always)]
     pub(crate) fn in_lanes(&self) -> Option<Lanes<'a>> {
-        if self.unbent.is_some() || self.facet.is_some() {
+        if self.unbent.is_some() || self.facet.is_some() || self.coat.is_some() {
             return None;
         }
         match self.model {
@@ -59,7 +59,8 @@ impl<'a> Bsdf<'a> {
             | Model::RoughDielectric(_)
             | Model::Sheet(_)
             | Model::SmoothCoat(_)
-            | Model::MetallicRoughness(_) => None,
+            | Model::MetallicRoughness(_)
+            | Model::ClearCoat(_) => None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Metals, smooth and rough, and glTF's mixture of metal and plastic.
 
+use super::burley::{Burley, tint};
 use super::layers::{FacetTable, Rise, dielectric_rise, schlick_rise};
 use super::{Facets, Parts, Scatter, Split, Value, fresnel, mirror};
 use crate::frame::cosine_hemisphere;
@@ -76,6 +77,19 @@ impl Schlick {
     }
 }
 
+/// The numbers of Mitsuba's `principled` at a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Principled {
+    pub base_color: Rgb,
+    pub metallic: f32,
+    /// Perceptual.
+    pub roughness: f32,
+    pub anisotropic: f32,
+    pub spec_tint: f32,
+    pub sheen: f32,
+    pub sheen_tint: f32,
+}
+
 /// The material of glTF 2.0: GGX facets over a Lambertian base that metal lacks. The base gets what the largest channel of
 /// the dielectric's F leaves (KHR_materials_specular), or of all that the dielectric's facets reflect.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +106,8 @@ pub(crate) struct MetallicRoughness {
     ahead: Rgb,
     /// Albedo of the base.
     pub diffuse: Rgb,
+    /// How the base differs from a Lambertian one, if it does.
+    burley: Option<Burley>,
     /// Probability of sampling the base.
     p_diffuse: f32,
 }
@@ -112,6 +128,7 @@ impl MetallicRoughness {
             dielectric: None,
             ahead: Rgb::ZERO,
             diffuse,
+            burley: None,
             p_diffuse: super::share(super::mean(diffuse) * (1.0 - reflected), reflected).clamp(0.0, 0.95),
         }
     }
@@ -141,12 +158,45 @@ impl MetallicRoughness {
             dielectric: Some((Schlick { f0: f0 * of_dielectric, f90: f90 * of_dielectric }, table.eta())),
             ahead: (f90 - f0) * of_dielectric * albedo.ahead(),
             diffuse,
+            burley: None,
             p_diffuse: super::share(super::mean(diffuse), super::mean(reflected)).clamp(0.0, 0.95),
+        }
+    }
+
+    /// Mitsuba's `principled` without transmission, flatness and coat: nothing of the base is lost to the facets above it.
+    pub fn principled(of: &Principled, cos: f32, table: &FacetTable) -> Self {
+        let &Principled { base_color, metallic, roughness, anisotropic, spec_tint, sheen, sheen_tint } = of;
+        let [metallic, spec_tint] = [metallic, spec_tint].map(|x| x.clamp(0.0, 1.0));
+        let (eta, tint) = (table.eta(), tint(base_color));
+        let normal = ((eta - 1.0) / (eta + 1.0)).powi(2);
+        let (plain, tinted) = ((1.0 - metallic) * (1.0 - spec_tint), (1.0 - metallic) * spec_tint);
+        let mixture =
+            Schlick { f0: base_color * metallic + tint * (normal * tinted), f90: Rgb::splat(metallic + tinted) };
+        let dielectric = Schlick { f0: Rgb::splat(normal * plain), f90: Rgb::splat(plain) };
+        let aspect = (1.0 - 0.9 * anisotropic.clamp(0.0, 1.0)).sqrt();
+        let alpha = roughness * roughness;
+        let burley = Burley { roughness, sheen: Rgb::ONE.lerp(tint, sheen_tint) * (sheen * (1.0 - metallic)) };
+        let diffuse = base_color * (1.0 - metallic);
+        let reflected = mixture.at(cos.abs()) + dielectric.risen(dielectric_rise(cos.abs(), eta));
+        let base = super::mean(diffuse) + super::mean(burley.sheen_mean(cos.abs()));
+        Self {
+            base_color,
+            facets: Facets::new(Distribution::Ggx, Vec2::new(alpha / aspect, alpha * aspect).max(Vec2::splat(1e-3))),
+            covering: Schlick::NONE,
+            mixture,
+            dielectric: Some((dielectric, eta)),
+            ahead: (dielectric.f90 - dielectric.f0) * table.albedo(roughness, cos.abs()).ahead(),
+            diffuse,
+            burley: Some(burley),
+            p_diffuse: super::share(base, super::mean(reflected)).clamp(0.0, 0.95),
         }
     }
 
     /// Albedo of the base at this view, light coming from everywhere alike.
     pub fn base_albedo(&self, wo: Vec3A) -> Rgb {
+        if let Some(burley) = &self.burley {
+            return self.diffuse * burley.base_mean(wo.z) + burley.sheen_mean(wo.z);
+        }
         self.diffuse * (1.0 - self.covering.risen(mean_edge(wo.z)).max_element())
     }
 
@@ -155,7 +205,7 @@ impl MetallicRoughness {
         let (none, ahead) = (Schlick::NONE, Rgb::ZERO);
         [
             Self { mixture: none, dielectric: None, ahead, p_diffuse: 1.0, ..self },
-            Self { diffuse: Rgb::ZERO, p_diffuse: 0.0, ..self },
+            Self { diffuse: Rgb::ZERO, burley: None, p_diffuse: 0.0, ..self },
         ]
     }
 
@@ -178,7 +228,10 @@ impl MetallicRoughness {
             reflectance += dielectric.risen(dielectric_rise(cos, *eta));
         }
         let glossy = reflectance * self.facets.reflection(wo, wi);
-        let diffuse = (1.0 - self.covering.at(cos).max_element()) * self.diffuse * FRAC_1_PI;
+        let diffuse = match &self.burley {
+            None => (1.0 - self.covering.at(cos).max_element()) * self.diffuse * FRAC_1_PI,
+            Some(burley) => burley.base(wo, wi) * self.diffuse * FRAC_1_PI + burley.sheen(wo, wi),
+        };
         let pdf = self.p_diffuse * wi.z * FRAC_1_PI + (1.0 - self.p_diffuse) * self.facets.reflection_pdf(wo, wi);
         Value { f: Split { diffuse, glossy }, pdf }
     }
@@ -194,7 +247,7 @@ impl MetallicRoughness {
 
 /// ∫ (1 − cos δ)⁵ cosθi/π dωi over the hemisphere, δ between the half vector and either direction, `cos` that of ωo: a fit
 /// within 10⁻⁵.
-fn mean_edge(cos: f32) -> f32 {
+pub(super) fn mean_edge(cos: f32) -> f32 {
     const FIT: [f32; 5] = [8.260_805e-5, 2.015_901_5e-3, 9.341_548e-3, 7.741_923e-3, 8.982_655e-3];
     let u = 1.0 - cos.clamp(0.0, 1.0);
     FIT.iter().rev().fold(0.0, |sum, c| sum * u + c)

@@ -4,6 +4,7 @@
 //! only reflect are asked for directions of the upper hemisphere alone.
 
 mod bend;
+mod burley;
 mod coat;
 mod components;
 mod dielectric;
@@ -22,6 +23,7 @@ mod tests;
 
 use crate::frame::{Frame, cosine_hemisphere};
 use crate::scene::{MaterialId, Rgb};
+pub(crate) use burley::{Added, ClearCoat};
 pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
 pub use components::Component;
 pub(crate) use components::{components_of, has_base};
@@ -34,7 +36,7 @@ pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use lanes::{LaneFresnel, LaneLobe, Lanes};
 pub(crate) use layers::FacetTable;
-pub(crate) use metal::{MetallicRoughness, Mirror, RoughMetal, Schlick};
+pub(crate) use metal::{MetallicRoughness, Mirror, Principled, RoughMetal, Schlick};
 pub(crate) use rough_dielectric::RoughDielectric;
 pub(crate) use sheet::Sheet;
 
@@ -135,12 +137,15 @@ pub(crate) enum Model<'a> {
     SmoothCoat(SmoothCoat),
     RoughCoat(RoughCoat<'a>),
     MetallicRoughness(MetallicRoughness),
+    ClearCoat(ClearCoat),
 }
 
 /// Scattering at one point, seen from one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf<'a> {
     model: Model<'a>,
+    /// A coat that is added to it.
+    coat: Option<Added>,
     frame: Frame,
     /// To the eye, local.
     wo: Vec3A,
@@ -220,6 +225,9 @@ impl Bsdf<'_> {
 
     /// Colours of the parts of models that are a Lambertian part and one lobe; `None` for the others.
     pub fn parts(&self) -> Option<Parts> {
+        if self.coat.is_some() {
+            return None;
+        }
         match &self.model {
             Model::Diffuse(reflectance) => Some(Parts::even(*reflectance, Rgb::ZERO)),
             Model::Glossy(m) => Some(Parts::even(m.diffuse, m.specular)),
@@ -234,7 +242,8 @@ impl Bsdf<'_> {
             | Model::ThinDielectric(_)
             | Model::RoughDielectric(_)
             | Model::Sheet(_)
-            | Model::SmoothCoat(_) => None,
+            | Model::SmoothCoat(_)
+            | Model::ClearCoat(_) => None,
         }
     }
 
@@ -250,7 +259,8 @@ impl Bsdf<'_> {
             | Model::RoughMetal(_)
             | Model::SmoothCoat(_)
             | Model::RoughCoat(_)
-            | Model::MetallicRoughness(_) => true,
+            | Model::MetallicRoughness(_)
+            | Model::ClearCoat(_) => true,
         }
     }
 
@@ -266,7 +276,8 @@ impl Bsdf<'_> {
             | Model::RoughDielectric(_)
             | Model::SmoothCoat(_)
             | Model::RoughCoat(_)
-            | Model::MetallicRoughness(_) => false,
+            | Model::MetallicRoughness(_)
+            | Model::ClearCoat(_) => false,
         }
     }
 
@@ -304,6 +315,7 @@ impl Bsdf<'_> {
             Model::SmoothCoat(m) => m.value(wo, wi),
             Model::RoughCoat(m) => m.value(wo, wi),
             Model::MetallicRoughness(m) => m.value(wo, wi),
+            Model::ClearCoat(m) => m.value(wo, wi),
             Model::RoughDielectric(m) => return m.value(wo, wi),
             Model::Sheet(m) => return m.value(wo, wi),
             Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_) => Value::default(),
@@ -315,17 +327,26 @@ impl Bsdf<'_> {
         if let Some(facet) = self.facet {
             value.f.diffuse *= bend::terminator(facet.dot(wi), wi.z, facet.z);
         }
-        value
+        match &self.coat {
+            None => value,
+            Some(coat) => coat.over(value, wo, wi),
+        }
     }
 
     /// Samples a direction for light; `choice` chooses among parts. `None` where the sample is lost.
     #[inline(always)]
-    pub fn sample(&self, choice: f32, u: Vec2) -> Option<Sample> {
+    pub fn sample(&self, mut choice: f32, u: Vec2) -> Option<Sample> {
         let wo = self.wo;
         if self.only_reflects() && wo.z <= 0.0 {
             return None;
         }
+        // The coat is sampled by its share, what lies below by the rest.
+        let of_coat = self.coat.filter(|coat| choice < coat.share);
+        if let Some(coat) = &self.coat {
+            choice = ((choice - coat.share) / (1.0 - coat.share)).clamp(0.0, 1.0 - f32::EPSILON);
+        }
         let scatter = match &self.model {
+            _ if of_coat.is_some() => of_coat.and_then(|added| added.coat.sample(wo, u)),
             Model::Absorb => None,
             Model::Diffuse(_) => Some(Scatter::Direction(cosine_hemisphere(u))),
             Model::Glossy(m) => m.sample(wo, choice, u),
@@ -338,11 +359,15 @@ impl Bsdf<'_> {
             Model::SmoothCoat(m) => m.sample(wo, choice, u),
             Model::RoughCoat(m) => m.sample(wo, choice, u),
             Model::MetallicRoughness(m) => m.sample(wo, choice, u),
+            Model::ClearCoat(m) => m.sample(wo, u),
         }?;
         match scatter {
             Scatter::Delta { wi, weight, eta } => Some(Sample {
                 wi: self.frame.to_world(wi),
-                weight: Split { diffuse: Rgb::ZERO, glossy: weight },
+                weight: Split {
+                    diffuse: Rgb::ZERO,
+                    glossy: weight * (1.0 / (1.0 - self.coat.map_or(0.0, |coat| coat.share))),
+                },
                 pdf: 0.0,
                 eta,
             }),
@@ -361,6 +386,11 @@ impl Bsdf<'_> {
 
     /// Rough estimate of the share of light scattered, for denoisers: reflectance of all parts at this view.
     pub fn albedo(&self) -> Rgb {
+        let own = self.own_albedo();
+        self.coat.map_or(own, |coat| (own + coat.reflectance(self.wo)).min(Rgb::ONE))
+    }
+
+    fn own_albedo(&self) -> Rgb {
         match &self.model {
             Model::Absorb => Rgb::ZERO,
             Model::Diffuse(reflectance) => *reflectance,
@@ -371,6 +401,7 @@ impl Bsdf<'_> {
             Model::SmoothCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::RoughCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::MetallicRoughness(m) => m.base_color,
+            Model::ClearCoat(m) => Rgb::splat(m.reflectance(self.wo.z)),
         }
     }
 }

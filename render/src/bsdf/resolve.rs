@@ -1,8 +1,8 @@
 //! From a material of the scene to the model at a point: textures looked up, wrappers taken off.
 
 use super::{
-    Bsdf, Dielectric, Facets, Glossy, Lobe, MetallicRoughness, Mirror, Model, RoughCoat, RoughDielectric, RoughMetal,
-    Schlick, Sheet, SmoothCoat, ThinDielectric,
+    Added, Bsdf, ClearCoat, Dielectric, Facets, Glossy, Lobe, MetallicRoughness, Mirror, Model, Principled, RoughCoat,
+    RoughDielectric, RoughMetal, Schlick, Sheet, SmoothCoat, ThinDielectric,
 };
 use crate::frame::Frame;
 use crate::scene::{Bitmap, Coordinates, Material, MaterialId, Texture, TextureId, WardVariant};
@@ -13,6 +13,24 @@ use glam::{Vec2, Vec3A};
 /// α below which glass is smooth.
 const SMOOTH_GLASS: f32 = 1e-3;
 
+/// Two materials in one.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Choice {
+    /// The second has this share.
+    Blend(f32),
+    /// The second is added, so often.
+    Sum(f32),
+}
+
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pick {
+    First,
+    Second,
+    /// Of a sum.
+    Both,
+}
+
 /// Schlick's reflectance of a coat of index 1.5.
 fn coat_reflectance(cos: f32) -> f32 {
     0.04 + 0.96 * (1.0 - cos).max(0.0).powi(5)
@@ -20,22 +38,28 @@ fn coat_reflectance(cos: f32) -> f32 {
 
 impl World {
     /// Scattering at a point of a surface. Of a material that is made of others, one, chosen by the point itself: right on average,
-    /// at the cost of one.
+    /// at the cost of one; of a coat that is added to its base, both.
     #[inline(always)]
     pub fn bsdf(&self, at: &Interaction) -> Bsdf<'_> {
-        self.resolve(at, |share, id| crate::sampler::toss(share, u64::from(id.0), [at.p.x, at.p.y, at.p.z]))
+        self.resolve(at, |choice, id| match choice {
+            Choice::Sum(_) => Pick::Both,
+            Choice::Blend(share) => {
+                let second = crate::sampler::toss(share, u64::from(id.0), [at.p.x, at.p.y, at.p.z]);
+                if second { Pick::Second } else { Pick::First }
+            }
+        })
     }
 
-    /// The same; `second` decides whether the second of two is taken, by its share.
+    /// The same; `which` decides which of two materials is taken.
     #[inline(always)]
-    pub(super) fn resolve(&self, at: &Interaction, mut second: impl FnMut(f32, MaterialId) -> bool) -> Bsdf<'_> {
+    pub(super) fn resolve(&self, at: &Interaction, mut which: impl FnMut(Choice, MaterialId) -> Pick) -> Bsdf<'_> {
         let mut id = at.material;
         let mut frame = if self.needs_tangents(id) {
             Frame::with_tangent(at.shading_normal, at.dpdu)
         } else {
             Frame::from_normal(at.shading_normal)
         };
-        let (mut unbent, mut diffuse_normal) = (None, None);
+        let (mut unbent, mut diffuse_normal, mut coat) = (None, None, None);
         loop {
             match self.material(id) {
                 Material::TwoSided { front, back } => {
@@ -43,15 +67,23 @@ impl World {
                     id = if behind { *back } else { *front };
                     frame = if behind { frame.flipped() } else { frame };
                 }
-                Material::Mask { inner, .. } | Material::FrontAlone { inner } => id = *inner,
+                Material::Mask { inner, .. } | Material::FrontAlone { inner, .. } => id = *inner,
                 Material::Blend { weight, first, second: other } => {
                     let w = weight.eval(&self.scene.textures, &at.coordinates);
-                    id = if second(w, id) { *other } else { *first };
+                    id = if which(Choice::Blend(w), id) == Pick::Second { *other } else { *first };
                 }
-                Material::Coat { weight, coat, base } => {
+                Material::Coat { added, weight, coat: of_coat, base } => {
                     let w = weight.eval(&self.scene.textures, &at.coordinates);
+                    if *added {
+                        match which(Choice::Sum(w), id) {
+                            Pick::First => id = *base,
+                            Pick::Second => id = *of_coat,
+                            Pick::Both => (coat, id) = (Some((w, *of_coat)), *base),
+                        }
+                        continue;
+                    }
                     let reflected = w * coat_reflectance(frame.normal().dot(at.wo).abs());
-                    id = if second(reflected, id) { *coat } else { *base };
+                    id = if which(Choice::Blend(reflected), id) == Pick::Second { *of_coat } else { *base };
                 }
                 Material::NormalMap { texture, scale, raised, inner } => {
                     let smooth = frame.normal();
@@ -74,12 +106,23 @@ impl World {
                     let [unbent, diffuse_normal] = [unbent, diffuse_normal].map(|n| n.map(|n| frame.to_local(n)));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
                     let model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
+                    let coat = coat.filter(|_| visible).map(|(w, id)| self.added(w, id, at, wo));
                     let soft = self.scene.integrator.soft_terminator;
                     let facet = soft.then(|| frame.to_local(at.normal)).map(|n| n * 1f32.copysign(n.z));
-                    return Bsdf { model, frame, wo, unbent, diffuse_normal, facet, material: id };
+                    return Bsdf { model, coat, frame, wo, unbent, diffuse_normal, facet, material: id };
                 }
             }
         }
+    }
+
+    /// A clear coat of this strength that is added to what lies below.
+    fn added(&self, strength: f32, id: MaterialId, at: &Interaction, wo: Vec3A) -> Added {
+        let gloss = match self.material(id) {
+            Material::ClearCoat { gloss } => gloss.eval(&self.scene.textures, &at.coordinates),
+            _ => 0.0,
+        };
+        let coat = ClearCoat::new(gloss);
+        Added { coat, strength, share: (2.0 * strength * coat.reflectance(wo.z.abs())).clamp(0.0, 0.5) }
     }
 
     #[inline(always)]
@@ -187,6 +230,24 @@ impl World {
                     Some(table) => MetallicRoughness::layered(color, metallic, roughness, dielectric, wo.z, table),
                 })
             }
+            Material::Principled {
+                base_color, metallic, roughness, anisotropic, spec_tint, sheen, sheen_tint, ..
+            } => {
+                let Some(table) = self.facets(id) else { return Model::Absorb };
+                let [metallic, roughness, spec_tint, sheen, sheen_tint] =
+                    [metallic, roughness, spec_tint, sheen, sheen_tint].map(|t| t.eval(textures, uv));
+                let of = Principled {
+                    base_color: base_color.eval(textures, uv),
+                    metallic,
+                    roughness: roughness.clamp(0.0, 1.0),
+                    anisotropic: *anisotropic,
+                    spec_tint,
+                    sheen,
+                    sheen_tint,
+                };
+                Model::MetallicRoughness(MetallicRoughness::principled(&of, wo.z, table))
+            }
+            Material::ClearCoat { gloss } => Model::ClearCoat(ClearCoat::new(gloss.eval(textures, uv))),
             Material::TwoSided { .. }
             | Material::Mask { .. }
             | Material::FrontAlone { .. }

@@ -98,6 +98,21 @@ fn materials() -> Vec<(&'static str, Material, f64)> {
             1.0,
         ),
         ("layered", layered(0.3, 0.5), 1.0),
+        (
+            "principled",
+            Material::Principled {
+                base_color: c(0.6),
+                metallic: f(0.3),
+                roughness: f(0.5),
+                anisotropic: 0.6,
+                eta: 1.5,
+                spec_tint: f(0.4),
+                sheen: f(0.5),
+                sheen_tint: f(0.3),
+            },
+            1.0,
+        ),
+        ("clear coat", Material::ClearCoat { gloss: f(0.2) }, 1.0),
     ]
 }
 

@@ -2,7 +2,7 @@
 
 use super::reading::Reading;
 use anyhow::{Context, Result};
-use render::integrator::cached::policy::outlook;
+use render::integrator::cached::policy::{approximation, outlook};
 use render::scene::load::{self, Loaded};
 use render::scene::{
     ColorTexture, Environment, Geometry, Lens, Light, Material, Projection, Scene, Shape, Texels, Texture,
@@ -92,6 +92,8 @@ struct MaterialInfo {
     model: String,
     /// How `--method auto` finds its indirect light.
     auto: String,
+    /// What records take it for, where that is not quite what it is.
+    approximated: Option<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -197,8 +199,9 @@ impl Report {
         let emitting = self.meshes.iter().filter(|m| m.emits.is_some()).count();
         let (count, triangles, instances) = (self.meshes.len(), self.triangles, self.instances);
         line("shapes", format!("{count} ({emitting} emit light), {instances} instances, {triangles} triangles drawn"));
-        for MaterialInfo { name, model, auto } in &self.materials {
-            line("material", format!("{name}: {model}, {auto}"));
+        for MaterialInfo { name, model, auto, approximated } in &self.materials {
+            let approximated = approximated.map_or(String::new(), |what| format!("; in records {what}"));
+            line("material", format!("{name}: {model}, {auto}{approximated}"));
         }
         for TextureInfo { width, height, bytes } in &self.textures {
             line("texture", format!("{width} × {height} pixels, {} KB", bytes.div_ceil(1000)));
@@ -226,10 +229,13 @@ fn materials(scene: &Scene) -> Vec<MaterialInfo> {
     let named = scene.materials.iter().enumerate().filter(|(_, m)| m.children().next().is_none());
     let info = |(i, material): (usize, &Material)| {
         let debug = format!("{material:?}");
+        let auto = outlook(material);
+        let recorded = !auto.starts_with("path traced");
         MaterialInfo {
             name: scene.material_names.get(i).filter(|n| !n.is_empty()).cloned().unwrap_or(format!("material {i}")),
             model: debug.split([' ', '(']).next().unwrap_or_default().into(),
-            auto: outlook(material),
+            approximated: approximation(material).filter(|_| recorded),
+            auto,
         }
     };
     named.map(info).collect()

@@ -194,6 +194,31 @@ pub enum Material {
         /// Fresnel's equations, not by Schlick's formula.
         layered: Option<f32>,
     },
+    /// Mitsuba's `principled` (Burley 2012 and 2015) without transmission, flatness and coat: GGX facets, of which a share is metal,
+    /// over a base that gives back light towards where it came from, and a sheen.
+    Principled {
+        /// Base colour.
+        base_color: ColorTexture,
+        /// 0 dielectric … 1 metal.
+        metallic: FloatTexture,
+        /// Perceptual roughness in [0, 1].
+        roughness: FloatTexture,
+        /// 0 … 1: facets are longer along u.
+        anisotropic: f32,
+        /// Index of the dielectric, > 1.
+        eta: f32,
+        /// How much of the dielectric's reflection has the hue of the base.
+        spec_tint: FloatTexture,
+        /// Strength of the sheen.
+        sheen: FloatTexture,
+        /// How much of the hue of the base it has.
+        sheen_tint: FloatTexture,
+    },
+    /// The clear coat of Mitsuba's `principled` at full strength, alone: GTR1 facets of index 1.5.
+    ClearCoat {
+        /// 0 broad … 1 sharp.
+        gloss: FloatTexture,
+    },
     /// Reflects on both sides: `front` on the side of the normal, `back` on the other (often the same).
     TwoSided {
         /// Material of the front.
@@ -210,6 +235,8 @@ pub enum Material {
     },
     /// `inner` on the side of the normal; on the other, nothing is there: light passes.
     FrontAlone {
+        /// Whether nothing is there for the camera either.
+        hidden: bool,
         /// Material of the front.
         inner: MaterialId,
     },
@@ -243,12 +270,14 @@ pub enum Material {
         /// Weight w.
         second: MaterialId,
     },
-    /// A clear coat of index 1.5 (KHR_materials_clearcoat): (1 − w F) · base + w F · coat, F Schlick's reflectance at the
-    /// angle of the view to the shading normal.
+    /// A clear coat of index 1.5. That of glTF (KHR_materials_clearcoat): (1 − w F) · base + w F · coat, F Schlick's reflectance at
+    /// the angle of the view to the shading normal. Of Mitsuba's `principled`: base + w · coat.
     Coat {
+        /// Whether it is added to the base, and takes nothing from it.
+        added: bool,
         /// w, 0 … 1.
         weight: FloatTexture,
-        /// What the coat reflects, as if it reflected all.
+        /// What the coat reflects, as if it reflected all; of one that is added, as it is.
         coat: MaterialId,
         /// What lies below.
         base: MaterialId,

@@ -22,7 +22,7 @@ pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};
 pub(crate) use opacity::Opacity;
 #[cfg(feature = "formats")]
-use texture::luminance;
+pub(crate) use texture::luminance;
 pub use texture::{
     Bitmap, ColorTexture, Coordinates, FloatTexture, Interpolation, Reading, Stored, Texels, Texture, TextureId,
     Transfer, Wrap,

@@ -45,7 +45,7 @@ impl Material {
             Self::Blend { first, second, .. } => [Some(first), Some(second)],
             Self::Coat { coat, base, .. } => [Some(coat), Some(base)],
             Self::Mask { inner, .. }
-            | Self::FrontAlone { inner }
+            | Self::FrontAlone { inner, .. }
             | Self::NormalMap { inner, .. }
             | Self::BumpMap { inner, .. } => [Some(inner), None],
             Self::Diffuse { .. }
@@ -60,7 +60,9 @@ impl Material {
             | Self::Glass { .. }
             | Self::Plastic { .. }
             | Self::RoughPlastic { .. }
-            | Self::MetallicRoughness { .. } => [None, None],
+            | Self::MetallicRoughness { .. }
+            | Self::Principled { .. }
+            | Self::ClearCoat { .. } => [None, None],
         };
         pair.into_iter().flatten()
     }
@@ -87,7 +89,11 @@ impl Material {
             Self::MetallicRoughness { base_color, f0, metallic, roughness, specular, .. } => {
                 (&[base_color, f0], &[metallic, roughness, specular])
             }
-            Self::Mask { opacity: share, .. }
+            Self::Principled { base_color, metallic, roughness, spec_tint, sheen, sheen_tint, .. } => {
+                (&[base_color], &[metallic, roughness, spec_tint, sheen, sheen_tint])
+            }
+            Self::ClearCoat { gloss: share }
+            | Self::Mask { opacity: share, .. }
             | Self::Blend { weight: share, .. }
             | Self::Coat { weight: share, .. } => (&[], &[share]),
             Self::NormalMap { texture, .. } | Self::BumpMap { texture, .. } => return vec![*texture],
@@ -110,6 +116,10 @@ impl Scene {
             }
             for texture in m.textures() {
                 check_index(what, "texture", texture.0, self.textures.len())?;
+            }
+            if let Material::Coat { added: true, coat, .. } = m {
+                let clear = matches!(self.materials[coat.0 as usize], Material::ClearCoat { .. });
+                require(clear, || format!("{}: a coat that is added is a clear coat", what()))?;
             }
             if let Material::Blend { .. } | Material::Coat { .. } = m {
                 let holes = |m: &Material| matches!(m, Material::Mask { .. } | Material::FrontAlone { .. });

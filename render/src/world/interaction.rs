@@ -72,7 +72,7 @@ impl Interaction {
         let origin = self.origin_towards(target - self.p);
         let direction = target - origin;
         let t_max = 1.0 - 1e-4 - clearance / direction.length().max(f32::MIN_POSITIVE);
-        Ray { origin, direction, t_min: 0.0, t_max }
+        Ray { t_max, ..Ray::new(origin, direction) }
     }
 }
 

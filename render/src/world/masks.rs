@@ -31,7 +31,7 @@ impl Aggregate {
         let Some(opacity) = &self.masks[triangle.shape as usize] else { return 1.0 };
         let Geometry::Mesh(mesh) = &context.shapes[triangle.shape as usize].geometry else { return 1.0 };
         let coordinates = mesh.coordinates(triangle.index, b1, b2);
-        opacity.towards(&context.scene.textures, &coordinates, triangle.normal.into(), ray.direction)
+        opacity.towards(&context.scene.textures, &coordinates, triangle.normal.into(), ray)
     }
 
     /// Opacity of a sphere where a ray meets it at distance `t`.
@@ -39,7 +39,7 @@ impl Aggregate {
         let Some(Some(opacity)) = self.masks.get(shape as usize) else { return 1.0 };
         let outward = sphere.outward(ray, t);
         let normal = if sphere.inward { -outward } else { outward };
-        opacity.towards(&context.scene.textures, &sphere.uv(outward).into(), normal, ray.direction)
+        opacity.towards(&context.scene.textures, &sphere.uv(outward).into(), normal, ray)
     }
 
     /// What lies at a hit on this aggregate; `None` where nothing passes. `away` adds to the coordinates that were rounded.
@@ -60,7 +60,7 @@ impl Aggregate {
             }
         };
         let opacity = self.masks.get(shape as usize)?.as_ref()?;
-        let opacity = opacity.towards(&context.scene.textures, &coordinates, normal, ray.direction);
+        let opacity = opacity.towards(&context.scene.textures, &coordinates, normal, ray);
         // As far from the surface as the start of a ray that leaves it; the distance of the hit has its own rounding.
         let clearance = OFFSET * (extent + away + hit.t * ray.direction.length());
         let step = clearance / normal.dot(ray.direction).abs().max(GRAZING * ray.direction.length());

@@ -163,7 +163,9 @@ fn glasses(scene: &Scene) -> Vec<Option<Arc<GlassTable>>> {
 fn facets(scene: &Scene) -> Vec<Option<Arc<FacetTable>>> {
     let mut known = HashMap::new();
     let mut table = |m: &Material| {
-        let Material::MetallicRoughness { layered: Some(eta), .. } = *m else { return None };
+        let (Material::MetallicRoughness { layered: Some(eta), .. } | Material::Principled { eta, .. }) = *m else {
+            return None;
+        };
         Some(Arc::clone(known.entry(eta.to_bits()).or_insert_with(|| Arc::new(FacetTable::new(eta)))))
     };
     scene.materials.iter().map(&mut table).collect()
@@ -188,6 +190,7 @@ fn needs_tangents(scene: &Scene, i: usize) -> bool {
         Material::Ward { alpha_u, alpha_v, .. }
         | Material::RoughConductor { alpha_u, alpha_v, .. }
         | Material::RoughDielectric { alpha_u, alpha_v, .. } => alpha_u != alpha_v,
+        Material::Principled { anisotropic, .. } => *anisotropic != 0.0,
         m => m.children().any(|c| needs_tangents(scene, c.0 as usize)),
     }
 }

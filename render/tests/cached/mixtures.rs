@@ -106,16 +106,33 @@ fn coats_are_sums_of_their_parts() {
     records("plastic", Allowed::Irradiance, &smooth);
     let clear = floor(|s| {
         let (coat, base) = (push(s, mirror()), push(s, phong(20.0, 0.2)));
-        Material::Coat { weight: FloatTexture::Constant(1.0), coat, base }
+        Material::Coat { added: false, weight: FloatTexture::Constant(1.0), coat, base }
     });
     assert!(records("clear coat over 20", Allowed::Auto, &clear) > 0);
     let deep = floor(|s| {
         let inner = blend(s, FloatTexture::Constant(0.4), plastic(), phong(30.0, 0.1));
         let inner = push(s, inner);
         let coat = push(s, phong(200.0, 0.0));
-        Material::Coat { weight: FloatTexture::Constant(1.0), coat, base: inner }
+        Material::Coat { added: false, weight: FloatTexture::Constant(1.0), coat, base: inner }
     });
     records("glossy coat over a blend of plastic and 30", Allowed::Auto, &deep);
+    let painted = floor(|s| {
+        let [weight, zero] = [0.8, 0.0].map(FloatTexture::Constant);
+        let coat = push(s, Material::ClearCoat { gloss: FloatTexture::Constant(0.5) });
+        let base = Material::Principled {
+            base_color: gray(0.5),
+            metallic: FloatTexture::Constant(0.4),
+            roughness: FloatTexture::Constant(0.5),
+            anisotropic: 0.0,
+            eta: 1.5,
+            spec_tint: zero,
+            sheen: FloatTexture::Constant(0.2),
+            sheen_tint: zero,
+        };
+        let base = push(s, base);
+        Material::Coat { added: true, weight, coat, base }
+    });
+    assert!(records("principled under a clear coat", Allowed::Auto, &painted) > 0);
 }
 
 /// Normals bent by a texture, up to 17° here, spread what is seen in a record, so that it reaches less far; it serves all of them.

@@ -258,11 +258,34 @@ fn emitters() {
 }
 
 #[test]
+fn principled_is_a_surface_and_a_coat() {
+    let of = |parameters: &str| material(&format!("<bsdf type='principled'>{parameters}</bsdf>"));
+    let eta = |parameters: &str| match of(parameters) {
+        Material::Principled { eta, .. } => eta,
+        other => panic!("{other:?}"),
+    };
+    assert!((eta("") - 1.5).abs() < 1e-5 && (eta("<float name='eta' value='1.7'/>") - 1.7).abs() < 1e-5);
+    assert!((1.0001..1.02).contains(&eta("<float name='specular' value='0'/>")));
+    let coated = of("<float name='clearcoat' value='0.5'/><float name='main_specular_sampling_rate' value='2'/>");
+    assert!(matches!(coated, Material::Coat { added: true, .. }), "{coated:?}");
+    for (parameters, what) in [
+        ("<float name='specular' value='0.5'/><float name='eta' value='1.5'/>", "either `specular` or `eta`"),
+        ("<float name='eta' value='0.5'/>", "`eta` must lie between 1 and 100"),
+        ("<float name='specular' value='-1'/>", "`specular` must lie between 0 and 1"),
+        ("<float name='sheen' value='2'/>", "`sheen` must lie between"),
+    ] {
+        let said = error(&format!("<shape type='cube'><bsdf type='principled'>{parameters}</bsdf></shape>"));
+        assert!(said.contains(what), "{said}");
+    }
+}
+
+#[test]
 fn substitutes_are_announced_once() {
     for (bsdf, what) in [
         ("<bsdf type='roughdiffuse'/>", "`roughdiffuse` is drawn as `diffuse`"),
         ("<bsdf type='coating'><bsdf type='diffuse'/></bsdf>", "drawn as the bsdf inside"),
-        ("<bsdf type='principled'/>", "`principled` is drawn with"),
+        ("<bsdf type='principled'><float name='flatness' value='0.5'/></bsdf>", "drawn without its `flatness`"),
+        ("<bsdf type='principled'><float name='spec_trans' value='1'/></bsdf>", "drawn without its `spec_trans`"),
         (
             "<bsdf type='roughplastic'><texture type='checkerboard' name='alpha'/></bsdf>",
             "`alpha` of `roughplastic` is drawn as its mean",

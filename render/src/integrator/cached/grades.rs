@@ -113,7 +113,8 @@ impl Graded {
             Material::RoughConductor { alpha_u, alpha_v, .. } if alpha_u == alpha_v => {
                 new(alpha_u, Meaning::Alpha, facets(material, [1.0; 2])?)
             }
-            Material::MetallicRoughness { roughness, .. } => {
+            Material::MetallicRoughness { roughness, .. }
+            | Material::Principled { roughness, anisotropic: 0.0, .. } => {
                 new(roughness, Meaning::Perceptual, facets(material, [1.0; 2])?)
             }
             _ => None,

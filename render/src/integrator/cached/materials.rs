@@ -61,6 +61,13 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
             outside = "nearly a mirror";
             facets(material, [constant(roughness, ROUGHNESS)?.clamp(0.0, 1.0).powi(2); 2]).ok_or(NO_TABLE)?
         }
+        Material::Principled { roughness, anisotropic, .. } => {
+            outside = "nearly a mirror";
+            let alpha = constant(roughness, ROUGHNESS)?.clamp(0.0, 1.0).powi(2);
+            let aspect = (1.0 - 0.9 * written(anisotropic.clamp(0.0, 1.0))).sqrt();
+            facets(material, [alpha / aspect, alpha * aspect].map(|a| a.max(1e-3))).ok_or(NO_TABLE)?
+        }
+        Material::ClearCoat { .. } => return Err("the long tail of a clear coat is in no table"),
         Material::Conductor { .. } | Material::Dielectric { .. } => return Err(PERFECT),
         Material::ThinDielectric { .. } | Material::Plastic { .. } => return Err(PERFECT),
         Material::RoughDielectric { .. } | Material::Glass { .. } => return Err(TRANSMITS),
@@ -70,6 +77,28 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
         Material::Blend { .. } | Material::Coat { .. } => return Err(OTHERS),
     };
     Recipe::specular(specular).validate().map(|()| specular).map_err(|_| outside)
+}
+
+/// What records take a material for, where that is not quite what it is.
+pub fn approximation(material: &Material) -> Option<&'static str> {
+    match material {
+        Material::MetallicRoughness { metallic, layered, .. } => {
+            let metal = *metallic == FloatTexture::Constant(1.0);
+            match layered {
+                _ if metal || is_diffuse(material) => None,
+                None => Some("its base is Lambertian, with the albedo that the view leaves it"),
+                Some(_) => Some("the reflectance of its coat rises by Schlick's formula"),
+            }
+        }
+        Material::Principled { metallic, .. } if *metallic == FloatTexture::Constant(1.0) => None,
+        Material::Principled { .. } => Some(
+            "base and sheen are Lambertian, with their albedo at the view, and its reflectance rises by Schlick's formula",
+        ),
+        Material::Plastic { .. } | Material::RoughPlastic { .. } => {
+            Some("its base is Lambertian, with the albedo that the view sees through the coat")
+        }
+        _ => None,
+    }
 }
 
 /// The facets of a rough metal, or of glTF's material, of these roughnesses; `None` where a texture gives the index.
@@ -83,7 +112,9 @@ pub(super) fn facets(material: &Material, [alpha_x, alpha_y]: [f64; 2]) -> Optio
             let conductor = Fresnel::Conductor { eta: rgb(eta), k: rgb(k) };
             (of_facets(*distribution), if *eta == Rgb::ZERO { Fresnel::None } else { conductor })
         }
-        Material::MetallicRoughness { .. } => (brdf::Distribution::Ggx, Fresnel::Schlick { f0: [0.04; 3] }),
+        Material::MetallicRoughness { .. } | Material::Principled { .. } => {
+            (brdf::Distribution::Ggx, Fresnel::Schlick { f0: [0.04; 3] })
+        }
         _ => return None,
     };
     Some(Specular::Microfacet(Microfacet { distribution, alpha_x, alpha_y, fresnel }))

@@ -4,7 +4,7 @@ pub use super::grades::Finish;
 use super::grades::{Graded, Grades};
 pub use super::kinds::{Allowed, Glossy, Kinds};
 use super::kinds::{COUNT, KINDS, Listed, PerKind, WithKind};
-pub use super::materials::specular;
+pub use super::materials::{approximation, specular};
 use super::materials::{is_coated, is_diffuse};
 use crate::bsdf::{Component, components_of, has_base};
 use crate::scene::{Coordinates, Material, MaterialId, Scene};

@@ -43,7 +43,7 @@ pub struct Quality {
 }
 
 /// The numbers that the quality of a picture hangs on, as they are at τ = [`TOLERANCE`]. All cost time to fill; what they buy
-/// is said with each. `cargo run --release -p render --example knobs` prints the curve of each: rays, records, memory and error
+/// is said with each. `cargo run --release -p burnish-render --example knobs` prints the curve of each: rays, records, memory and error
 /// where it is made smaller and larger; `doc/measurements.md` has those of the glossy Cornell box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knobs {

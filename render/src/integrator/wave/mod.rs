@@ -35,7 +35,7 @@ struct Lane {
 }
 
 /// A ray that is not followed.
-const NO_RAY: Ray = Ray { origin: Vec3A::ZERO, direction: Vec3A::Z, t_min: 0.0, t_max: 0.0 };
+const NO_RAY: Ray = Ray { origin: Vec3A::ZERO, direction: Vec3A::Z, t_min: 0.0, t_max: 0.0, from_camera: false };
 
 impl Lane {
     const IDLE: Self = Self {
@@ -202,12 +202,8 @@ fn step<'w>(
     let (mut shadows, mut asked) = ([NO_RAY; LANES], 0);
     for i in Lanes(lit).filter(|&i| reflected(i, &lanes[i].path).sum().max_element() > 0.0) {
         asked |= 1 << i;
-        shadows[i] = Ray {
-            origin: get(&scattered.shadow_origin, i),
-            direction: get(&scattered.shadow_direction, i),
-            t_min: 0.0,
-            t_max: scattered.shadow_end[i],
-        };
+        let shadow = Ray::new(get(&scattered.shadow_origin, i), get(&scattered.shadow_direction, i));
+        shadows[i] = Ray { t_max: scattered.shadow_end[i], ..shadow };
     }
     let in_sight = asked & !queries.occluded_all(world, &shadows, asked);
     for i in Lanes(wide) {

@@ -66,10 +66,21 @@ fn scenes() -> Vec<Scene> {
         },
         Material::TwoSided { front: id(0), back: id(1) },
         Material::Mask { opacity: f(0.5), inner: id(0) },
-        Material::FrontAlone { inner: id(0) },
+        Material::Principled {
+            base_color: c(0.1),
+            metallic: f(0.5),
+            roughness: f(0.4),
+            anisotropic: 0.3,
+            eta,
+            spec_tint: f(0.1),
+            sheen: f(0.2),
+            sheen_tint: f(0.6),
+        },
+        Material::ClearCoat { gloss: f(0.5) },
+        Material::FrontAlone { inner: id(0), hidden: true },
         Material::NormalMap { texture: texture(0), scale: 1.0, raised: true, inner: id(0) },
         Material::BumpMap { texture: texture(0), scale: 1.0, inner: id(0) },
-        Material::Coat { weight: FloatTexture::PaintedStep(None, 0.5), coat: id(0), base: id(1) },
+        Material::Coat { added: false, weight: FloatTexture::PaintedStep(None, 0.5), coat: id(0), base: id(1) },
         Material::Blend { weight: f(0.5), first: id(0), second: id(1) },
     ];
     let mesh = Mesh {

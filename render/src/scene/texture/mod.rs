@@ -9,7 +9,7 @@ use core::ops::{Add, Mul};
 use glam::{Affine2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 #[cfg(feature = "formats")]
-pub(super) use stored::luminance;
+pub(crate) use stored::luminance;
 pub use stored::{Reading, Stored, Transfer};
 
 /// Index into [`super::Scene::textures`].

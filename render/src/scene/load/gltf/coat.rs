@@ -45,6 +45,6 @@ impl Builder<'_> {
         let coat = self.push(coat, source);
         let coat = self.bent(coat, normal, source);
         let coat = self.both_sides(coat, source);
-        Ok(self.push(Material::Coat { weight, coat, base }, source))
+        Ok(self.push(Material::Coat { added: false, weight, coat, base }, source))
     }
 }

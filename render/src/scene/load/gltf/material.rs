@@ -146,13 +146,20 @@ impl Builder<'_> {
             }
             (self.coated(id, source, uv_sets)?, self.emission(source, uv_sets)?)
         };
+        let lamp = lamp(source);
+        if emitter.is_some()
+            && let Some(hidden) = lamp
+        {
+            let id = self.push(Material::FrontAlone { inner: id, hidden }, source);
+            return Ok((id, emitter, None));
+        }
         // Cycles knows no culling.
         let mut back = (emitter.is_some() && (source.double_sided() || self.blender)).then_some(Back::Whole);
         if let Some(opacity) = self.opacity(source, alpha, base.as_ref(), on.painted, uv_sets)? {
             id = self.push(Material::Mask { opacity, inner: id }, source);
             if back.is_some() {
                 back = Some(Back::Pierced);
-                id = self.push(Material::FrontAlone { inner: id }, source);
+                id = self.push(Material::FrontAlone { inner: id, hidden: false }, source);
             }
         }
         Ok((id, emitter, back))
@@ -252,6 +259,14 @@ impl Builder<'_> {
         };
         Ok(Some(AreaEmitter { radiance }))
     }
+}
+
+/// Whether a material is that of a lamp as Blender has them: it shines from its front, and is not seen from behind; then
+/// whether the camera does not see it. Both are custom properties, `area_lamp` and `hidden_from_camera`.
+fn lamp(source: &gltf::Material) -> Option<bool> {
+    let extras: serde_json::Value = serde_json::from_str(source.extras().as_ref()?.get()).ok()?;
+    let set = |name: &str| extras.get(name).is_some_and(|v| v == true || v.as_f64().is_some_and(|v| v != 0.0));
+    set("area_lamp").then(|| set("hidden_from_camera"))
 }
 
 pub(super) fn label(material: &gltf::Material) -> String {

@@ -146,7 +146,7 @@ impl Builder<'_> {
     }
 
     /// A number of `range`, or a texture.
-    fn number_in(
+    pub(super) fn number_in(
         &mut self,
         object: &Object,
         name: &str,
@@ -250,16 +250,5 @@ impl Builder<'_> {
             specular: self.reflectance(object, "specular_reflectance", constant(1.0))?,
             nonlinear: object.boolean_or("nonlinear", false)?,
         })
-    }
-
-    /// The part of Mitsuba's `principled` that glTF has too.
-    fn principled(&mut self, object: &Object) -> Result<Material, LoadError> {
-        self.warn(object, "`principled` is drawn with its base_color, metallic, roughness and specular only");
-        let base_color = self.reflectance(object, "base_color", ColorTexture::Constant(Rgb::splat(0.5)))?;
-        let metallic = self.number_in(object, "metallic", 0.0, 0.0..=1.0)?;
-        let roughness = self.number_in(object, "roughness", 0.5, 0.0..=1.0)?;
-        let f0 = ColorTexture::Constant(Rgb::splat(0.08 * object.number_or("specular", 0.5)? as f32));
-        let specular = FloatTexture::Constant(1.0);
-        Ok(Material::MetallicRoughness { base_color, metallic, roughness, f0, specular, layered: None })
     }
 }

@@ -8,6 +8,7 @@ mod material;
 mod measured;
 mod object;
 mod objects;
+mod principled;
 mod recipe;
 mod shape;
 mod spectrum;
