@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn pictures_as_good_as_each_other_are_not_told_apart() {
-        let undecided = |seed| {
+        let undecided = |seed: u64| {
             let [a, b] = [2, 3].map(|i| noisy(10 * seed + i, 0.05));
             Verdict::of([&a, &b], &noisy(10 * seed, 0.5)).unwrap().order().is_none()
         };

@@ -118,6 +118,7 @@ impl Trial {
         };
         let [of_records, of_paths] = [samples(0, &records), samples(1, &paths)];
         let late = whole[0] > seconds;
+        eprintln!("DBG once {once:?} fill {fill} fixed {fixed:?} whole {whole:?} samples {of_records} {of_paths} trial {}", self.seconds);
         if late && whole[0] > TOO_SLOW * whole[1] {
             return Ok(true);
         }
@@ -135,6 +136,7 @@ impl Trial {
             // Sample points that neither of the two has seen.
             let judge = draw(&Source::Traced { seed: !seed, indirect_only }, of_paths, None)?;
             let verdict = Verdict::of([&candidates[0], &candidates[1]], &judge);
+            eprintln!("DBG verdict {verdict:?}");
             if let Some(order) = verdict.ok().and_then(|verdict| verdict.order()) {
                 return Ok(order.is_gt());
             }
