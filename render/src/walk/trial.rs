@@ -112,16 +112,15 @@ impl Trial {
         let once = [time(&records, TRIAL[0]), time(&paths, TRIAL[0])];
         let fixed = denoising.plans.map(|plan| plan.seconds + denoising.writing);
         let whole = [once[0] + fill + fixed[0], once[1] + fixed[1]];
+        let late = whole[0] > seconds;
+        if late && whole[0] > TOO_SLOW * whole[1] {
+            return Ok(true);
+        }
         let mut samples = |i: usize, source: &Source| {
             let slope = ((time(source, TRIAL[1]) - once[i]) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
             (f64::from(TRIAL[0]) + (seconds - whole[i]) / slope).clamp(1.0, MAX_SPP)
         };
         let [of_records, of_paths] = [samples(0, &records), samples(1, &paths)];
-        let late = whole[0] > seconds;
-        eprintln!("DBG once {once:?} fill {fill} fixed {fixed:?} whole {whole:?} samples {of_records} {of_paths} trial {}", self.seconds);
-        if late && whole[0] > TOO_SLOW * whole[1] {
-            return Ok(true);
-        }
         if 3.0 * whole[0].max(seconds) <= JUDGED * seconds * count {
             let mut draw = |source: &Source, spp: f64, plan: Option<Plan>| {
                 let budget = (Budget::Samples(spp as u32), plan.is_some());
@@ -136,7 +135,6 @@ impl Trial {
             // Sample points that neither of the two has seen.
             let judge = draw(&Source::Traced { seed: !seed, indirect_only }, of_paths, None)?;
             let verdict = Verdict::of([&candidates[0], &candidates[1]], &judge);
-            eprintln!("DBG verdict {verdict:?}");
             if let Some(order) = verdict.ok().and_then(|verdict| verdict.order()) {
                 return Ok(order.is_gt());
             }
@@ -165,7 +163,8 @@ fn seconds_of(world: &mut World, source: &Source, frame: (u32, &Camera), spp: u3
 }
 
 /// Samples per pixel that frames, denoised or not, can have, by drawing a few of them; `left` tells the seconds that there are for
-/// each, without denoising, when that trial has taken so many.
+/// each, without denoising, when that trial has taken so many. What a sample adds is found out in one frame; in others it is taken to be the same
+/// share of their time.
 pub fn choose_samples(
     world: &mut World,
     source: &Source,
@@ -173,17 +172,16 @@ pub fn choose_samples(
     denoised: bool,
     left: impl FnOnce(f64) -> f64,
 ) -> u32 {
-    // What does not grow with the samples, and what each adds.
-    let (mut fixed, mut each, mut count) = (0.0, 0.0, 0.0);
     let start = Instant::now();
-    for frame in on_trial(walk) {
-        let Some(camera) = walk.camera(frame) else { continue };
-        let [few, more] = TRIAL.map(|spp| seconds_of(world, source, (frame, camera), spp, denoised));
-        let slope = ((more - few) / f64::from(TRIAL[1] - TRIAL[0])).max(1e-6);
-        each += slope;
-        fixed += (few - slope * f64::from(TRIAL[0])).max(0.0);
-        count += 1.0;
-    }
-    let spp = (FRAME_MARGIN * left(start.elapsed().as_secs_f64()) * count - fixed) / f64::max(each, 1e-6);
+    let frames: Vec<(u32, &Camera)> = on_trial(walk).into_iter().filter_map(|i| Some((i, walk.camera(i)?))).collect();
+    let few: Vec<f64> = frames.iter().map(|frame| seconds_of(world, source, *frame, TRIAL[0], denoised)).collect();
+    let middle = frames.len() / 2;
+    let Some(frame) = frames.get(middle) else { return 1 };
+    let more = seconds_of(world, source, *frame, TRIAL[1], denoised);
+    let slope = (more - few[middle]) / f64::from(TRIAL[1] - TRIAL[0]);
+    let mean = few.iter().sum::<f64>() / few.len() as f64;
+    let each = (slope * mean / few[middle]).max(1e-6);
+    let fixed = (mean - each * f64::from(TRIAL[0])).max(0.0);
+    let spp = (FRAME_MARGIN * left(start.elapsed().as_secs_f64()) - fixed) / each;
     spp.clamp(1.0, MAX_SPP) as u32
 }

@@ -16,14 +16,12 @@ use render::denoise::{Denoiser, Effort, Plan};
 use render::image::{Look, write_picture};
 use render::integrator::cached::file::{self, Chosen, Key};
 use render::integrator::cached::{Caches, Reading, Rendering};
-use render::picture::{Budget, Picture};
+use render::picture::Budget;
 use render::scene::checksum::Checksums;
 use render::walk::{self, Source, Trial, Walk, choose_samples};
 use render::world::World;
-use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
 /// Share of `--time-per-frame` for filling the caches, as it is planned; and at most, where even a coarse fill takes longer. What is not
@@ -219,48 +217,46 @@ impl Task<'_> {
         Ok(Some((caches, tolerance)))
     }
 
-    /// Draws and writes frames, in the order in which they were asked for. One is written while the next is drawn: a disk is waited for,
-    /// not computed with.
+    /// Draws and writes frames, in the order in which they were asked for.
     fn draw(&mut self, source: &Source, frames: &[u32], made: &str) -> Result<()> {
         let denoiser = self.denoiser.as_ref().map_or("off", Denoiser::name);
         let made = format!("{made} denoise {denoiser} {:?}", self.effort);
         let meter = Meter::new("frames", self.args.progress);
         let count = frames.len() as f64;
-        std::thread::scope(|scope| {
-            let mut writing: Option<ScopedJoinHandle<Result<f64>>> = None;
-            for (i, &frame) in frames.iter().enumerate() {
-                let Some(camera) = self.walk.camera(frame) else { continue };
-                let records =
-                    if self.stats.records > 0 { format!(", {} records", self.stats.records) } else { String::new() };
-                meter.at(i as f64 / count, format!("frame {frame}, {} of {}{records}", i + 1, frames.len()));
-                let note = self.files.note(self.args, frame, camera, self.budget, &made);
-                let missing: Vec<PathBuf> = self.files.of(frame).collect();
-                if self.args.skip_existing && missing.iter().all(|path| files::is_whole(path, &note, camera)) {
-                    self.stats.skipped += 1;
-                    continue;
-                }
-                let shading = Instant::now();
-                let bar = meter.bar();
-                let progress = |x: f64| bar.set((i as f64 + x) / count);
-                let mut picture =
-                    source.draw(&mut self.world, (frame, camera), (self.budget, self.denoiser.is_some()), &progress);
-                self.stats.seconds.shade += shading.elapsed().as_secs_f64();
-                self.stats.count(&picture);
-                if let Some(warning) = not_finite_warning(picture.counts.not_finite, picture.counts.paths) {
-                    bar.say(&format!("render: warning: frame {frame}: {warning}"));
-                }
-                if let Some(denoiser) = &self.denoiser {
-                    let denoising = Instant::now();
-                    denoiser.denoise(&mut picture, self.effort)?;
-                    self.stats.denoised(denoiser.name(), denoising.elapsed());
-                }
-                let look = Look { note: Some(note), ..self.look.clone() };
-                self.stats.seconds.write += written(writing.take())?;
-                writing = Some(scope.spawn(move || write_frame(&missing, &picture, &look)));
+        for (i, &frame) in frames.iter().enumerate() {
+            let Some(camera) = self.walk.camera(frame) else { continue };
+            let records =
+                if self.stats.records > 0 { format!(", {} records", self.stats.records) } else { String::new() };
+            meter.at(i as f64 / count, format!("frame {frame}, {} of {}{records}", i + 1, frames.len()));
+            let note = self.files.note(self.args, frame, camera, self.budget, &made);
+            let missing: Vec<PathBuf> = self.files.of(frame).collect();
+            if self.args.skip_existing && missing.iter().all(|path| files::is_whole(path, &note, camera)) {
+                self.stats.skipped += 1;
+                continue;
             }
-            self.stats.seconds.write += written(writing)?;
-            Ok(())
-        })
+            let shading = Instant::now();
+            let bar = meter.bar();
+            let progress = |x: f64| bar.set((i as f64 + x) / count);
+            let mut picture =
+                source.draw(&mut self.world, (frame, camera), (self.budget, self.denoiser.is_some()), &progress);
+            self.stats.seconds.shade += shading.elapsed().as_secs_f64();
+            self.stats.count(&picture);
+            if let Some(warning) = not_finite_warning(picture.counts.not_finite, picture.counts.paths) {
+                bar.say(&format!("render: warning: frame {frame}: {warning}"));
+            }
+            if let Some(denoiser) = &self.denoiser {
+                let denoising = Instant::now();
+                denoiser.denoise(&mut picture, self.effort)?;
+                self.stats.denoised(denoiser.name(), denoising.elapsed());
+            }
+            let writing = Instant::now();
+            let look = Look { note: Some(note), ..self.look.clone() };
+            for path in &missing {
+                write_picture(path, &picture, &look).with_context(|| path.display().to_string())?;
+            }
+            self.stats.seconds.write += writing.elapsed().as_secs_f64();
+        }
+        Ok(())
     }
 
     /// Tells what was done.
@@ -281,18 +277,4 @@ impl Task<'_> {
         let (min, max) = self.world.bounds();
         Caches::new(min, max)
     }
-}
-
-/// Writes a frame to its files; the seconds that it took.
-fn write_frame(files: &[PathBuf], picture: &Picture, look: &Look) -> Result<f64> {
-    let start = Instant::now();
-    for path in files {
-        write_picture(path, picture, look).with_context(|| path.display().to_string())?;
-    }
-    Ok(start.elapsed().as_secs_f64())
-}
-
-/// Waits for a frame to be written; the seconds that took, none without one.
-fn written(writing: Option<ScopedJoinHandle<Result<f64>>>) -> Result<f64> {
-    writing.map_or(Ok(0.0), |frame| frame.join().unwrap_or_else(|panic| resume_unwind(panic)))
 }
