@@ -29,8 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let facets =
             Microfacet { distribution: Distribution::Ggx, alpha_x: alpha, alpha_y: alpha, fresnel: Fresnel::None };
         let specular = Specular::Microfacet(facets);
-        let table =
-            family::table(&Material::specular(specular.clone())).ok_or("the library has no table of this roughness")?;
+        let table = family::table(&Material::specular(specular)).ok_or("the library has no table of this roughness")?;
         let begun = Instant::now();
         let ltc = Ltc::new(&specular);
         let [normal, slanted, grazing] = ltc.missed.map(|missed| 100.0 * missed);
