@@ -199,6 +199,8 @@ def phone(page, pictures):
     page.size(390, 844, True)
     page.settled()
     page.shot(pictures, "phone")
+    places = "new Set([...document.querySelectorAll('.pad button')].map(b => JSON.stringify(b.getBoundingClientRect()))).size"
+    assert page.value(places) == page.value("document.querySelectorAll('.pad button').length") > 1, "buttons to walk lie on each other"
     x, y = page.middle()
     page.changes(lambda: page.touch(((x, y), (x + 80, y + 10))), "a finger looks around")
     page.changes(lambda: page.touch(((x - 20, y), (x - 80, y)), ((x + 20, y), (x + 80, y))), "two fingers go ahead")

@@ -94,6 +94,12 @@ impl Both {
         surfaces: &[Surface],
         (width, height): (u32, u32),
     ) -> Result<String, Box<dyn Error>> {
+        let limit = self.0.device.limits().max_storage_buffer_binding_size;
+        if size_of_val(surfaces) as u64 > limit {
+            return Err(
+                format!("{width} × {height} surfaces are more than the adapter binds at once ({limit} bytes)").into()
+            );
+        }
         let rows: Vec<_> = records.iter().map(irradiance_rows).collect();
         let rows = self.0.upload(&rows);
         let tiles = Tiles::new(records, rectangles, surfaces, (width as usize, height as usize));
