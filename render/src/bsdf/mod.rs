@@ -15,6 +15,7 @@ mod glossy;
 mod lanes;
 mod layers;
 mod metal;
+mod parts;
 mod resolve;
 mod rough_dielectric;
 mod sheet;
@@ -28,7 +29,7 @@ pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
 pub use components::Component;
 pub(crate) use components::{components_of, has_base};
 use core::f32::consts::FRAC_1_PI;
-use core::ops::{Add, AddAssign, Mul};
+use core::ops::{Add, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
 pub(crate) use facets::Facets;
 use glam::{Vec2, Vec3A};
@@ -37,6 +38,7 @@ pub(crate) use glossy::{Glossy, Lobe};
 pub(crate) use lanes::{LaneFresnel, LaneLobe, Lanes};
 pub(crate) use layers::FacetTable;
 pub(crate) use metal::{MetallicRoughness, Mirror, Principled, RoughMetal, Schlick};
+pub use parts::Parts;
 pub(crate) use rough_dielectric::RoughDielectric;
 pub(crate) use sheet::Sheet;
 
@@ -157,45 +159,6 @@ pub struct Bsdf<'a> {
     facet: Option<Vec3A>,
     /// The material behind all wrappers.
     material: MaterialId,
-}
-
-/// Colours of the two parts that a cache multiplies its light by.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parts {
-    /// Albedo of the Lambertian part.
-    pub diffuse: Rgb,
-    /// Factor on the specular part at unit strength where the half vector points to the eye, Fresnel term of its table aside.
-    pub specular: Rgb,
-    /// The same where light grazes the half vector; between the two it follows Schlick's formula. Most models have one factor.
-    pub grazing: Rgb,
-}
-
-impl Parts {
-    /// A factor that is the same at all angles.
-    fn even(diffuse: Rgb, specular: Rgb) -> Self {
-        Self { diffuse, specular, grazing: specular }
-    }
-
-    /// Whether there is nothing but a Lambertian part.
-    #[inline]
-    pub fn is_diffuse(&self) -> bool {
-        self.specular == Rgb::ZERO && self.grazing == Rgb::ZERO
-    }
-}
-
-impl Mul<Rgb> for Parts {
-    type Output = Self;
-    fn mul(self, c: Rgb) -> Self {
-        Self { diffuse: self.diffuse * c, specular: self.specular * c, grazing: self.grazing * c }
-    }
-}
-
-impl AddAssign for Parts {
-    fn add_assign(&mut self, other: Self) {
-        self.diffuse += other.diffuse;
-        self.specular += other.specular;
-        self.grazing += other.grazing;
-    }
 }
 
 impl Bsdf<'_> {
