@@ -133,7 +133,7 @@ impl Added {
 /// Luminance by which Mitsuba tints.
 #[inline]
 pub(crate) fn tint(base_color: Rgb) -> Rgb {
-    let luminance = crate::scene::luminance(base_color);
+    let luminance = crate::color::luminance(base_color);
     if luminance > 0.0 { base_color / luminance } else { Rgb::ONE }
 }
 
