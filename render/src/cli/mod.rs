@@ -29,7 +29,7 @@ use std::process::ExitCode;
 
 /// Renders glossy global illumination.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(name = "render", version, about)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
