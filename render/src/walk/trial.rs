@@ -31,10 +31,19 @@ const TRIAL: [u32; 2] = [1, 4];
 /// Most samples per pixel that a trial chooses.
 const MAX_SPP: f64 = 65_536.0;
 
+/// Times the fill of three frames takes what that of the one in the middle does, about (measured in the glossy box, two staircases and an
+/// atrium: 1.5 to 2.5).
+const MORE_FRAMES: f64 = 2.0;
+
+/// The frame in the middle of a path.
+fn middle(walk: &Walk) -> u32 {
+    let (first, last) = walk.frames().into_inner();
+    first + (last - first) / 2
+}
+
 /// The first frame of a path, one in its middle, and the last, without repetitions.
 fn on_trial(walk: &Walk) -> Vec<u32> {
-    let (first, last) = walk.frames().into_inner();
-    let mut frames = vec![first, first + (last - first) / 2, last];
+    let mut frames = vec![*walk.frames().start(), middle(walk), *walk.frames().end()];
     frames.dedup();
     frames
 }
@@ -50,37 +59,50 @@ pub struct Denoising<'a> {
     pub writing: f64,
 }
 
-/// A coarse fill for a few frames of a path.
+/// A coarse fill for a few frames of a path: first for the one in its middle, which tells whether records are worth it at all.
 #[derive(Debug)]
 pub struct Trial {
-    /// The τ whose fill for the whole path takes about the time that was given.
-    pub tolerance: f32,
     /// The records of the trial, which are those of [`FIRST_TOLERANCE`].
     caches: Caches,
-    /// What they took.
-    seconds: f64,
+    /// Seconds that they took.
+    spent: f64,
+    /// Seconds for the fill of all frames.
+    time: f64,
 }
 
 impl Trial {
-    /// Fills a few frames coarsely, to find the τ whose fill for the whole path takes about this time.
+    /// Fills the frame in the middle of a path, within the time that there is for the fill of all.
     pub fn new(world: &mut World, rendering: &Rendering, walk: &Walk, time: Duration) -> Self {
-        let start = Instant::now();
         let (min, max) = world.bounds();
-        let mut caches = Caches::new(min, max);
-        let frames = on_trial(walk);
-        let few = frames.len() as u32 == walk.frames().end() - walk.frames().start() + 1;
-        for frame in frames {
+        let trial = Self { caches: Caches::new(min, max), spent: 0.0, time: time.as_secs_f64() };
+        trial.filled(world, rendering, walk, &[middle(walk)])
+    }
+
+    fn filled(self, world: &mut World, rendering: &Rendering, walk: &Walk, frames: &[u32]) -> Self {
+        let start = Instant::now();
+        let deadline = start + Duration::from_secs_f64((self.time - self.spent).max(0.0));
+        let mut caches = self.caches;
+        for &frame in frames {
             stand(world, walk, frame);
             let how = (Density::Every, seed_of(rendering.settings.seed, frame));
-            caches = rendering.fill_frame(world, FIRST_TOLERANCE, caches, how, Some(start + time));
+            caches = rendering.fill_frame(world, FIRST_TOLERANCE, caches, how, Some(deadline));
         }
         caches.refile();
-        let spent = start.elapsed().as_secs_f64();
-        let left = MARGIN * (time.as_secs_f64() - spent).max(1e-3);
+        Self { caches, spent: self.spent + start.elapsed().as_secs_f64(), ..self }
+    }
+
+    /// Fills the other frames on trial: the τ whose fill for the whole path takes about what is left of the time, and the records to
+    /// go on from, where they are as fine as those of that τ.
+    pub fn finish(self, world: &mut World, rendering: &Rendering, walk: &Walk) -> (f32, Option<Caches>) {
+        let mut frames = on_trial(walk);
+        let few = frames.len() as u32 == walk.frames().end() - walk.frames().start() + 1;
+        frames.retain(|frame| *frame != middle(walk));
+        let Self { caches, spent, time } = self.filled(world, rendering, walk, &frames);
+        let left = MARGIN * (time - spent).max(1e-3);
         let growth = if few { 1.0 } else { GROWTH };
         let share = (growth * spent / left).powf(1.0 / COST_EXPONENT) as f32;
         let tolerance = (FIRST_TOLERANCE * share).clamp(SMALLEST_TOLERANCE, FIRST_TOLERANCE);
-        Self { tolerance, caches, seconds: spent }
+        (tolerance, (tolerance >= FIRST_TOLERANCE).then_some(caches))
     }
 
     /// Whether a denoised frame is better path traced, where there are so many seconds for each, the fill included. Two are drawn and
@@ -104,11 +126,10 @@ impl Trial {
         let Settings { seed, indirect_only, .. } = rendering.settings;
         let records = Source::Cached { rendering, tolerance: FIRST_TOLERANCE, caches: &self.caches };
         let paths = Source::Traced { seed, indirect_only };
-        let (first, last) = walk.frames().into_inner();
-        let (frame, count) = (first + (last - first) / 2, f64::from(last - first + 1));
+        let (frame, count) = (middle(walk), f64::from(walk.frames().end() - walk.frames().start() + 1));
         let Some(camera) = walk.camera(frame) else { return Ok(false) };
         let mut time = |source: &Source, spp: u32| seconds_of(world, source, (frame, camera), spp, true);
-        let fill = GROWTH * self.seconds / count;
+        let fill = GROWTH * MORE_FRAMES * self.spent / count;
         let once = [time(&records, TRIAL[0]), time(&paths, TRIAL[0])];
         let fixed = denoising.plans.map(|plan| plan.seconds + denoising.writing);
         let whole = [once[0] + fill + fixed[0], once[1] + fixed[1]];
@@ -140,11 +161,6 @@ impl Trial {
             }
         }
         Ok(if late { of_paths >= ENOUGH } else { of_paths > of_records })
-    }
-
-    /// The records to go on from, where they are as fine as those of its τ.
-    pub fn caches(self) -> Option<Caches> {
-        Some(self.caches).filter(|_| self.tolerance >= FIRST_TOLERANCE)
     }
 }
 

@@ -202,8 +202,9 @@ impl Task<'_> {
             if self.better_traced(&trial, rendering, seconds)? {
                 return Ok(None);
             }
-            tolerance = trial.tolerance;
-            caches = trial.caches().filter(|_| caches.records() == 0).unwrap_or(caches);
+            let (chosen, tried) = trial.finish(&mut self.world, rendering, &self.walk);
+            tolerance = chosen;
+            caches = tried.filter(|_| caches.records() == 0).unwrap_or(caches);
             deadline = Some(start + longest);
         }
         let fill = walk::Fill { rendering, walk: &self.walk, tolerance, range, deadline };
