@@ -10,6 +10,8 @@
 //! large cap are enough; about the axis alone they would follow cos δ there.
 //! Nothing is fitted: the only errors are those of bilinear interpolation and of 16-bit storage.
 
+mod across;
+
 use crate::batch::{CHUNK, CapBatch, MIN_HEIGHT, Picked};
 use crate::brdf::Specular;
 use crate::cap::{Cap, projected_solid_angle};

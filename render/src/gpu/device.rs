@@ -47,8 +47,8 @@ pub enum GpuError {
 /// An adapter in use.
 #[derive(Debug)]
 pub struct Device {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
     name: String,
     limit: u64,
     /// The first thing that the adapter could not do, if there was any.
@@ -137,7 +137,7 @@ impl Device {
     /// Too many.
     pub fn room(&self, what: &'static str, bytes: u64) -> Result<Buffer, GpuError> {
         self.check(what, bytes)?;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let (size, mapped_at_creation) = (bytes.max(4), false);
         Ok(self.device.create_buffer(&BufferDescriptor { label: Some(what), size, usage, mapped_at_creation }))
     }

@@ -1,8 +1,10 @@
 //! Work for a graphics card.
 
 mod device;
+mod draw;
 
 pub use device::{Device, GpuError, Program};
+pub use draw::{Canvas, Drawing};
 use std::sync::OnceLock;
 
 /// The adapter of the process, opened when it is first asked for.

@@ -50,6 +50,21 @@ impl Plane {
         false
     }
 
+    /// Cells along an edge.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// Height over half the width of the square.
+    pub fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// [`Plane::projected`] of all cells.
+    pub fn weights(&self) -> Vec<f32> {
+        (0..self.len()).map(|cell| self.projected(cell) as f32).collect()
+    }
+
     /// Unit direction of the middle of a cell, counted row by row, in the local frame.
     pub fn direction(&self, cell: u32) -> Vec3A {
         let [x, y] = self.corners(cell);

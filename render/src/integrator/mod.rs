@@ -5,6 +5,7 @@ pub(crate) mod direct;
 mod guides;
 mod media;
 mod path;
+pub mod plane;
 mod simple;
 mod wave;
 

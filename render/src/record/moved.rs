@@ -149,13 +149,13 @@ impl Receivers {
     }
 
     /// Moves the sources of a record at `position` to all points: the irradiance of each point, and its projected solid angles
-    /// together. Calls `near` with what the lobes of some points see.
+    /// together. Tells `near` what the lobes of some points see.
     pub fn visit(
         &self,
         sources: &[Eas],
         position: Vec3A,
         albedo: &Albedo,
-        near: impl FnMut(&Eas, &Moved, u64),
+        near: &mut impl Near,
     ) -> ([[f32; LANES]; 3], [f32; LANES]) {
         dispatch!(Level::new(), simd => self.lanes(simd, sources, position, albedo, near))
     }
@@ -167,7 +167,7 @@ impl Receivers {
         sources: &[Eas],
         position: Vec3A,
         albedo: &Albedo,
-        mut near: impl FnMut(&Eas, &Moved, u64),
+        near: &mut impl Near,
     ) -> ([[f32; LANES]; 3], [f32; LANES]) {
         let splat = |x: f32| f32x16::splat(simd, x);
         let column = |i: usize| f32x16::load_array_ref(simd, &self.columns[i]);
@@ -175,25 +175,31 @@ impl Receivers {
         let [px, py, pz] = vector(0);
         let offset = [px - splat(position.x), py - splat(position.y), pz - splat(position.z)];
         let to = Destination { offset, axes: [vector(3), vector(6), vector(9)], mirror: vector(12) };
+        let wo = [-to.mirror[0], -to.mirror[1], to.mirror[2]];
         let (mut irradiance, mut whole) = ([splat(0.0); 3], splat(0.0));
         for source in sources {
             let [x, y, z] = source.direction;
             let [u, v] = source.normal.map(f32::from);
             let row = [x, y, z, source.inv_distance, source.solid_angle, source.factor, u, v];
-            let [x, y, z, solid_angle, area, is_near] = moved(row.map(splat), &to, albedo.support());
+            let moved = moved(row.map(splat), &to, albedo.support());
+            let [.., area, is_near] = moved;
             for (sum, light) in irradiance.iter_mut().zip(source.light) {
                 *sum += splat(light) * area;
             }
             whole += area;
             let lanes = is_near.simd_gt(splat(0.0)).to_bitmask() & self.used;
             if lanes != 0 {
-                let direction = [x.to_array(), y.to_array(), z.to_array()];
-                let [solid_angle, area, is_near] = [solid_angle, area, is_near].map(|x| x.to_array());
-                near(source, &Moved { direction, solid_angle, area, near: is_near }, lanes);
+                near.seen(simd, source, moved, wo, lanes);
             }
         }
         (irradiance.map(|channel| channel.to_array()), whole.to_array())
     }
+}
+
+/// What is done with a source that the lobes of some points see.
+pub(super) trait Near {
+    /// `moved` is what [`Moved`] holds, `wo` leads to the eye; `lanes` has the bits of those points.
+    fn seen<S: Simd>(&mut self, simd: S, source: &Eas, moved: [f32x16<S>; 6], wo: [f32x16<S>; 3], lanes: u64);
 }
 
 #[inline(always)]

@@ -6,7 +6,8 @@ use crate::scene::Rgb;
 use brdf_tables::batch::CapBatch;
 use brdf_tables::brdf::{Brdf, Fresnel, Microfacet, Specular};
 use brdf_tables::cap::Cap;
-use brdf_tables::table::Table;
+use brdf_tables::table::{Representation, Table};
+use brdf_tables::zonal::Zonal;
 use core::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 use glam::{DVec3, Vec3A};
 
@@ -54,6 +55,14 @@ impl<'a> Reflector<'a> {
         match self.gray {
             Some(gray) => self.table.values_with_fresnel(gray, caps, wo.into(), out),
             None => self.table.specular_values(caps, wo.into(), out),
+        }
+    }
+
+    /// The table of a lobe that is radial, and the tint, which is the same for all directions then.
+    pub(super) fn zonal(&self) -> Option<(&'a Zonal, Rgb)> {
+        match &self.table.representation {
+            Representation::Zonal(table) if self.gray.is_none() => Some((table, self.colors.normal)),
+            _ => None,
         }
     }
 

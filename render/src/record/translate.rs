@@ -1,7 +1,7 @@
 //! Reflection of a record's sources at another point (eas-2015, §3.3, eqs. 15–16 and Fig. 9).
 
 use super::eas::{Eas, EasRecord, Estimator, unpack_normal};
-use super::moved::{MIN_LENGTH2, Moved, Receiver, Receivers};
+use super::moved::{MIN_LENGTH2, Moved, Receiver};
 use super::reflector::{Albedo, Reflector};
 use crate::frame::Frame;
 use crate::record::Record;
@@ -49,15 +49,15 @@ fn trust(cover: f32) -> f32 {
 }
 
 /// A source as the point sees it.
-struct Seen {
-    direction: Vec3A,
-    solid_angle: f32,
-    irradiance: Rgb,
+pub(super) struct Seen {
+    pub direction: Vec3A,
+    pub solid_angle: f32,
+    pub irradiance: Rgb,
 }
 
 impl Scratch {
     /// Forgets the sources of another point.
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.caps.clear();
         self.light.clear();
         self.area.clear();
@@ -65,7 +65,7 @@ impl Scratch {
 
     /// A source to look up; `area` is its projected solid angle, 0 where the estimator does not know it.
     #[inline]
-    fn add(&mut self, seen: &Seen, area: f32, tint: Rgb) {
+    pub(super) fn add(&mut self, seen: &Seen, area: f32, tint: Rgb) {
         self.caps.push_nearest(seen.direction.into(), seen.solid_angle);
         self.light.push(seen.irradiance * tint);
         self.area.push(area);
@@ -118,73 +118,50 @@ pub fn reflect(
     scratch.reflected(record, at, (reflector, albedo, estimator), irradiance, whole)
 }
 
-/// [`reflect`] by [`Estimator::Improved`] at up to [`LANES`] points, each with its reflector, at once: the same numbers to the
-/// last bit.
-pub fn reflect_together(
-    record: &EasRecord,
-    at: &[(&Receiver, &Reflector)],
-    albedo: &Albedo,
-    scratches: &mut [Scratch; LANES],
-    mut reflected: impl FnMut(usize, Reflected),
-) {
-    let block = &at[..at.len().min(LANES)];
-    if block.is_empty() {
-        return;
-    }
-    scratches.iter_mut().for_each(Scratch::clear);
-    let points = Receivers::new(block.iter().map(|(at, _)| *at));
-    let near = |source: &Eas, moved: &Moved, mut lanes: u64| {
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            let (at, reflector) = block[lane];
-            let area = moved.area[lane];
-            let direction = Vec3A::from_array(moved.direction.each_ref().map(|axis| axis[lane]));
-            let irradiance = Rgb::from_array(source.light) * area;
-            let seen = Seen { direction, solid_angle: moved.solid_angle[lane], irradiance };
-            scratches[lane].add(&seen, area, reflector.tint(direction, at.wo));
-        }
-    };
-    let (irradiance, whole) = points.visit(&record.sources, record.position(), albedo, near);
-    for (lane, ((at, reflector), scratch)) in block.iter().zip(&mut *scratches).enumerate() {
-        let irradiance = Rgb::from_array(irradiance.each_ref().map(|channel| channel[lane]));
-        let with = (*reflector, albedo, Estimator::Improved);
-        reflected(lane, scratch.reflected(record, at, with, irradiance, whole[lane]));
-    }
-}
-
 impl Scratch {
     /// What the sources of a record add up to, those that were added in the specular sum; `whole` is the projected solid angle of all.
     #[inline(always)]
-    fn reflected(
+    pub(super) fn reflected(
         &mut self,
         record: &EasRecord,
         at: &Receiver,
         (reflector, albedo, estimator): (&Reflector, &Albedo, Estimator),
-        mut irradiance: Rgb,
+        irradiance: Rgb,
         whole: f32,
     ) -> Reflected {
         let Scratch { caps, light, area, mean } = self;
         mean.resize(caps.len(), 0.0);
         reflector.values(caps, at.wo, mean);
-        let mut specular: Rgb = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
-        let everywhere = reflector.albedo(albedo, at.wo);
-        let mut trusted = 1.0;
-        if estimator == Estimator::Improved {
-            // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
-            // meet in one direction: what they would reflect of light that is 1 everywhere, against the albedo, tells.
-            let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
-            let reflected = everywhere.1;
-            let cover = if reflected > 0.0 { unit / reflected } else { 1.0 };
-            trusted = trust(cover);
-            irradiance *= (ROOM * PI / whole).min(1.0);
-        }
-        if record.background != Rgb::ZERO {
-            irradiance += record.background * PI;
-            specular += record.background * everywhere.0;
-        }
-        Reflected { irradiance, specular, trust: trusted }
+        let specular: Rgb = light.iter().zip(mean.iter()).map(|(e, f)| *e * *f).sum();
+        let unit: f32 = area.iter().zip(mean.iter()).map(|(a, f)| a * f).sum();
+        completed(record, at, (reflector, albedo, estimator), (irradiance, whole), (specular, unit))
     }
+}
+
+/// What sources add up to: irradiance and projected solid angle of all, light and white that the lobe sees of them, reflected.
+#[inline(always)]
+pub(super) fn completed(
+    record: &EasRecord,
+    at: &Receiver,
+    (reflector, albedo, estimator): (&Reflector, &Albedo, Estimator),
+    (mut irradiance, whole): (Rgb, f32),
+    (mut specular, unit): (Rgb, f32),
+) -> Reflected {
+    let everywhere = reflector.albedo(albedo, at.wo);
+    let mut trusted = 1.0;
+    if estimator == Estimator::Improved {
+        // Sources tile the hemisphere of the record, caps do so but roughly, and on the way into a corner all of a wall may
+        // meet in one direction: what they would reflect of light that is 1 everywhere, against the albedo, tells.
+        let reflected = everywhere.1;
+        let cover = if reflected > 0.0 { unit / reflected } else { 1.0 };
+        trusted = trust(cover);
+        irradiance *= (ROOM * PI / whole).min(1.0);
+    }
+    if record.background != Rgb::ZERO {
+        irradiance += record.background * PI;
+        specular += record.background * everywhere.0;
+    }
+    Reflected { irradiance, specular, trust: trusted }
 }
 
 /// Eq. 16 as published. Where it has no meaning (a patch turned away, a centroid below the horizon) the source is dropped.

@@ -3,6 +3,7 @@
 mod aggregate;
 mod interaction;
 mod masks;
+mod primitives;
 mod queries;
 mod sphere;
 
@@ -13,6 +14,7 @@ use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError, T
 use aggregate::{Aggregate, Context, Placement};
 use glam::Vec3A;
 pub use interaction::Interaction;
+pub use primitives::Outline;
 pub use queries::{Counts, Queries};
 use std::collections::HashMap;
 use std::sync::Arc;
