@@ -14,7 +14,7 @@ use glam::DVec3;
 pub const MODELS: [&str; 3] = ["sgd", "abc", "lobes"];
 
 /// Residual vectors a model may take, and the seed of its search.
-const EVALUATIONS: usize = 4000;
+const EVALUATIONS: usize = 3000;
 const SEED: u64 = 1;
 /// Every so many of the points are looked at by the search.
 const STRIDE: usize = 3;
@@ -211,4 +211,49 @@ pub(super) fn candidate(name: &str, points: &[Point], floor: f64) -> Option<Fit>
         }
     };
     Some(fit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::VIEWS;
+    use brdf_tables::frame::spherical;
+
+    /// Root mean square of relative differences of a fit from the function it was fitted to.
+    fn error_of(name: &str, value: impl Fn(DVec3, DVec3) -> f64) -> f64 {
+        let mut points = Vec::new();
+        for (view, degrees) in VIEWS.into_iter().enumerate() {
+            let wo = spherical(degrees.to_radians(), 0.0);
+            for i in 0..240 {
+                let theta = (f64::from(i / 12) / 20.0 + 0.02).powi(2) * 1.5;
+                let half = spherical(theta, PI * (f64::from(i % 12) + 0.5) / 12.0);
+                let wi = 2.0 * wo.dot(half) * half - wo;
+                if wi.z > 0.05 {
+                    let f = value(wi, wo);
+                    points.push(Point { wi, wo, rgb: [f, 0.5 * f, 0.2], view });
+                }
+            }
+        }
+        let fit = candidate(name, &points, 1e-3).unwrap();
+        let apart = |p: &Point| {
+            let found = (fit.value)(p.wi, p.wo);
+            (0..3).map(|c| ((found[c] - p.rgb[c]) / (p.rgb[c] + 1e-3)).powi(2)).sum::<f64>() / 3.0
+        };
+        let error = (points.iter().map(apart).sum::<f64>() / points.len() as f64).sqrt();
+        println!("{name}: {error:.2e}, {}", fit.recipe.replace('\n', "; "));
+        error
+    }
+
+    #[test]
+    fn known_shapes_are_found() {
+        let groove = Groove { b: 80.0, c: 1.3, ior: 1.6 };
+        let abc = |wi, wo| 0.05 + 2.0 * groove.lobe(&Pair::new(wi, wo));
+        assert!(error_of("abc", abc) < 1e-3);
+        assert!(error_of("lobes", abc) > 0.02);
+        let gamma =
+            Gamma { alpha: 0.08, p: 0.9, f0: 0.4, f1: 0.05, kap: 4.0, lambda: 1.0, c: 0.3, k: 4.0, theta0: 0.2 };
+        assert!(error_of("sgd", |wi, wo| 0.03 + 0.2 * gamma.lobe(&Pair::new(wi, wo))) < 0.02);
+        let lobes = Lafortune::new(&[[-1.0, -1.0, 1.0, 60.0], [-0.9, -0.9, 0.8, 6.0]]).unwrap();
+        assert!(error_of("lobes", |wi, wo| 0.04 + 0.1 * lobes.eval(wi, wo)) < 0.05);
+    }
 }
