@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the glTF files of gltf-blender, and those of gltf-glass that hold something or are half metal: python3
+"""Writes the glTF files of gltf-blender and gltf-sheen, and those of gltf-glass that hold something or are half metal: python3
 make_gltf_layers.py
 
 The square of make_gltf.py fills the view of a camera of one by one units; where it says so, before a wall that shines.
@@ -123,7 +123,35 @@ def glasses():
     file.write("valid/gltf-glass/holds_glass.gltf")
 
 
+def sheen(rgb, roughness, base=(0, 0, 0), **fields):
+    fibres = {"sheenColorFactor": list(rgb), "sheenRoughnessFactor": roughness} | fields
+    return surface(base, extensions=NO_SPECULAR | {"KHR_materials_sheen": fibres})
+
+
+def sheens():
+    # Over black and white, seen under a cosine of 0.2, in an even world.
+    turn = {"rotation": [0.6324555, 0, 0, 0.7745967], "scale": [5, 5, 5]}
+    for name, rgb, roughness, base in (
+        ("white", (1, 1, 1), 0.5, (1, 1, 1)),
+        ("dyed", (0.8, 0.4, 0.2), 0.6, (1, 1, 1)),
+        ("fibres", (0.8, 0.4, 0.2), 0.6, (0, 0, 0)),
+        ("sharp", (1, 1, 1), 0.1, (0, 0, 0)),
+        ("none", (0, 0, 0), 0.6, (1, 1, 1)),
+    ):
+        file = Layers(sheen(rgb, roughness, base), blender=False)
+        file.node(mesh=0, **turn)
+        file.write(f"valid/gltf-sheen/{name}.gltf")
+    # Under a lamp 60 degrees from the normal, which is where the camera is.
+    file = Layers(sheen((0.8, 0.4, 0.2), 0.6), blender=False)
+    file.json["extensionsUsed"].append("KHR_lights_punctual")
+    file.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 683.0}]}}
+    file.node(mesh=0)
+    file.node(rotation=[0.5, 0, 0, 0.8660254], extensions={"KHR_lights_punctual": {"light": 0}})
+    file.write("valid/gltf-sheen/lamp.gltf")
+
+
 if __name__ == "__main__":
+    sheens()
     layers()
     lamps()
     glasses()

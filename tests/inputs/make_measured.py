@@ -35,6 +35,23 @@ def ggx(alpha, f0, kd):
     return f
 
 
+def brushed(alpha_x, alpha_y, f0):
+    """f_r of anisotropic GGX facets with Schlick's reflectance, RGB."""
+    f0 = np.broadcast_to(np.asarray(f0, float), 3)
+
+    def f(wi, wo):
+        h = wi + wo
+        h = h / np.maximum(np.linalg.norm(h, axis=-1, keepdims=True), 1e-12)
+        stretched = (h[..., 0] / alpha_x) ** 2 + (h[..., 1] / alpha_y) ** 2 + h[..., 2] ** 2
+        d = 1 / (np.pi * alpha_x * alpha_y * stretched**2)
+        over = lambda w: 2 / (w[..., 2] + np.sqrt(w[..., 2] ** 2 + (alpha_x * w[..., 0]) ** 2 + (alpha_y * w[..., 1]) ** 2))
+        cos = np.clip((wi * h).sum(-1), 0, 1)[..., None]
+        fresnel = f0 + (1 - f0) * (1 - cos) ** 5
+        return fresnel * (d * over(wi) * over(wo) / 4)[..., None]
+
+    return f
+
+
 def merl(path, f, bins=(90, 90, 180)):
     """MERL: values at the middles of the bins, -1 below the horizon."""
     middle = lambda n: (np.arange(n) + 0.5) / n
@@ -130,13 +147,13 @@ def rgl(path, f, zeniths, size=(16, 16), azimuths=(0.0,), wavelengths=None):
     tensors(path, fields)
 
 
-def albedo(f, theta):
+def albedo(f, theta, azimuth=0.0):
     """Integral of f cos over the hemisphere of wi, by Gauss and the trapezoid rule in cos and azimuth."""
     x, w = np.polynomial.legendre.leggauss(400)
     z, w = 0.5 * (x + 1), 0.5 * w
     phi = 2 * np.pi * (np.arange(800) + 0.5) / 800
     wi = spherical(np.arccos(z)[:, None], phi[None, :])
-    wo = np.broadcast_to(spherical(theta, 0.0), wi.shape)
+    wo = np.broadcast_to(spherical(theta, azimuth), wi.shape)
     return (f(wi, wo) * (z * w * 2 * np.pi / 800)[:, None, None]).sum((0, 1))
 
 
@@ -195,6 +212,11 @@ def main():
     rgl(valid / "spectral.bsdf", grey, np.radians(np.arange(0, 90, 17.8)), (12, 12), wavelengths=(400, 550, 700))
     for degrees in (0, 60):
         print(degrees, "satin", albedo(satin, np.radians(degrees)), "grey", albedo(grey, np.radians(degrees)))
+    # A quarter of the azimuths: it is the same mirrored at both axes.
+    metal = brushed(0.3, 0.8, (0.9, 0.7, 0.4))
+    rgl(valid / "brushed.bsdf", metal, np.radians(np.arange(0, 90, 12.8)), (16, 12), np.linspace(-np.pi, -np.pi / 2, 5))
+    for degrees in (0, 90):
+        print("brushed, seen at 60 degrees from an azimuth of", degrees, albedo(metal, np.pi / 3, np.radians(degrees)))
     damaged(invalid)
 
 

@@ -12,8 +12,8 @@
 //! Lines that begin with `#` are remarks; keys stand first, their numbers behind blanks or commas, an equals sign if one likes.
 
 use super::lines::{number, text};
+use super::shape::{Gamma, Groove, Pair};
 use super::{Format, Place, ReadError, Reading, Source};
-use crate::brdf::angles;
 use core::f64::consts::{FRAC_1_PI, PI};
 use glam::DVec3;
 
@@ -40,12 +40,6 @@ const ABC: [Key; 5] = [
     Key("c", 0.0, 1e3, false),
     Key("ior", 1.0, 1e3, false),
 ];
-
-/// Largest value: parameters of nonsense pass it, and the numbers of single precision.
-const LARGEST: f64 = 1e15;
-
-/// Smallest cosine that the division by both is taken at.
-const FLOOR: f64 = 1e-4;
 
 /// The numbers of a file, by key, in the order of `keys`.
 fn numbers<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[[f64; 3]; N], ReadError> {
@@ -106,26 +100,23 @@ pub fn abc(bytes: &[u8]) -> Result<Reading, ReadError> {
     Ok(Reading { format: Format::Abc, source: Box::new(source), notes: vec!["ABC: fitted parameters".into()] })
 }
 
-/// cosᵢ cosₒ, not zero.
-fn cosines(wi: DVec3, wo: DVec3) -> f64 {
-    wi.z.max(FLOOR) * wo.z.max(FLOOR)
-}
-
 impl Source for Shifted {
     fn rgb(&self, wi: DVec3, wo: DVec3) -> Option<[f64; 3]> {
-        let [theta_h, theta_d, _] = angles(wi, wo);
-        let (cos2, cos_d) = (theta_h.cos().powi(2).max(1e-12), theta_d.cos());
+        let pair = Pair::new(wi, wo);
         let [kd, ks, alpha, p, f0, f1, kap, lambda, c, k, theta0] = &self.0;
         Some(core::array::from_fn(|i| {
-            let x = alpha[i] + (1.0 - cos2) / cos2 / alpha[i];
-            let d = kap[i] * (-x).exp() * FRAC_1_PI / (x.powf(p[i]) * cos2 * cos2);
-            let f = f0[i] - f1[i] * cos_d + (1.0 - f0[i]) * (1.0 - cos_d).powi(5);
-            let g1 = |w: DVec3| {
-                let beyond = (w.z.min(1.0).acos() - theta0[i]).max(0.0);
-                (1.0 + lambda[i] * (1.0 - (c[i] * beyond.powf(k[i])).min(700.0).exp())).clamp(0.0, 1.0)
+            let shape = Gamma {
+                alpha: alpha[i],
+                p: p[i],
+                f0: f0[i],
+                f1: f1[i],
+                kap: kap[i],
+                lambda: lambda[i],
+                c: c[i],
+                k: k[i],
+                theta0: theta0[i],
             };
-            let value = FRAC_1_PI * (kd[i] + ks[i] * f * d * g1(wi) * g1(wo) / cosines(wi, wo));
-            if value > 0.0 { value.min(LARGEST) } else { 0.0 }
+            FRAC_1_PI * kd[i] + ks[i] * shape.lobe(&pair)
         }))
     }
 
@@ -136,15 +127,9 @@ impl Source for Shifted {
 
 impl Source for Grooves {
     fn rgb(&self, wi: DVec3, wo: DVec3) -> Option<[f64; 3]> {
-        let [theta_h, theta_d, _] = angles(wi, wo);
-        let (cos_h, cos_d) = (theta_h.cos(), theta_d.cos().max(1e-6));
         let [kd, a, b, c, ior] = &self.0;
-        // 1 − cosθh with all its digits.
-        let lowered = 2.0 * (0.5 * theta_h).sin().powi(2);
-        let shape = (1.0 + b[0] * lowered).powf(-c[0]);
-        let groove = (2.0 * cos_h * wi.z.min(wo.z) / cos_d).min(1.0);
-        let scale = dielectric(cos_d, ior[0]) * shape * groove / cosines(wi, wo);
-        Some(core::array::from_fn(|i| FRAC_1_PI * (kd[i] + a[i] * scale)))
+        let lobe = Groove { b: b[0], c: c[0], ior: ior[0] }.lobe(&Pair::new(wi, wo));
+        Some(core::array::from_fn(|i| FRAC_1_PI * kd[i] + a[i] * lobe))
     }
 
     fn is_folded(&self) -> bool {
@@ -152,16 +137,9 @@ impl Source for Grooves {
     }
 }
 
-/// Unpolarised reflectance of a dielectric from outside.
-fn dielectric(cos: f64, ior: f64) -> f64 {
-    let inside = (1.0 - (1.0 - cos * cos) / (ior * ior)).max(0.0).sqrt();
-    let across = (cos - ior * inside) / (cos + ior * inside);
-    let along = (ior * cos - inside) / (ior * cos + inside);
-    0.5 * (across * across + along * along)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::shape::dielectric;
     use super::*;
     use crate::frame::spherical;
 

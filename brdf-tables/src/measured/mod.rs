@@ -14,6 +14,7 @@ mod lines;
 mod merl;
 pub mod rgl;
 mod scattered;
+pub mod shape;
 mod spectrum;
 
 use crate::brdf::{Built, build};
@@ -90,6 +91,16 @@ impl Reading {
     /// What is wrong with the file, in one line that names it and the place.
     #[cfg(feature = "fs")]
     pub fn load(path: &Path) -> Result<Self, ReadError> {
+        let (format, bytes) = Self::bytes(path)?;
+        Self::from_bytes(format, &bytes).map_err(|e| e.within(path))
+    }
+
+    /// The format and the bytes of a file, whose size is checked before memory is taken.
+    ///
+    /// # Errors
+    /// What is wrong with the file, in one line that names it and the place.
+    #[cfg(feature = "fs")]
+    pub fn bytes(path: &Path) -> Result<(Format, Vec<u8>), ReadError> {
         let fail = |what: String| ReadError::new(Place::File, what).within(path);
         let format = Format::of(path).ok_or_else(|| {
             let known = Format::ALL.map(|f| format!(".{}", f.extension())).join(", ");
@@ -113,8 +124,7 @@ impl Reading {
         if format == Format::Merl {
             merl::check(&head(12)?, metadata.len()).map_err(|e| e.within(path))?;
         }
-        let bytes = head(metadata.len() as usize)?;
-        Self::from_bytes(format, &bytes).map_err(|e| e.within(path))
+        Ok((format, head(metadata.len() as usize)?))
     }
 
     /// Reads the bytes of a file.

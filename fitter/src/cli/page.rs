@@ -17,7 +17,7 @@ Examples:
   fitter report acryl_blue.brdf -o acryl.html
       whether the measurements are enough to draw with
 
-The page says, of each model (lambert, phong, ward, beckmann, ggx, sheen):
+The page says, of each model (lambert, phong, ward, beckmann, ggx, sheen, sgd, abc, lobes):
   its recipe, for fitter fit and scenes, and its relative error, as a whole and by
   the angle of the view; the five errors of its mean BRDF (fitter fit --help);
   the energy by the angle, above 1 in red; a sphere beside that of the data.
@@ -55,7 +55,12 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
     let Some((data, models)) = candidates.split_first() else { bail!("{name}: no model") };
     let mut text = format!("{}: kept to {} %\n", args.output.display(), percent(data.relative));
     for model in models {
-        text.push_str(&format!("  {:<9} {:>6} %  {}\n", model.name, percent(model.relative), model.material));
+        text.push_str(&format!(
+            "  {:<9} {:>6} %  {}\n",
+            model.name,
+            percent(model.relative),
+            model.recipe.replace('\n', "; ")
+        ));
     }
     std::io::stdout().lock().write_all(text.as_bytes())?;
     Ok(Outcome::Done)

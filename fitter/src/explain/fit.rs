@@ -1,11 +1,11 @@
 //! One model fitted to points of data: its shape by search, kd and ks of each channel by least squares.
 
-use super::{Point, grey};
+use super::{Fit, Point, grey};
 use brdf_tables::brdf::{Brdf, Distribution, Fresnel, Microfacet, Phong, Sheen, Specular, Ward, WardVariant};
 use brdf_tables::material::Material;
 use core::f64::consts::PI;
 
-/// Models that are tried.
+/// Models of one roughness.
 pub const MODELS: [&str; 6] = ["lambert", "phong", "ward", "beckmann", "ggx", "sheen"];
 
 /// Normal reflectances tried for facets.
@@ -41,7 +41,7 @@ fn lobe(name: &str, roughness: f64, f0: f64) -> Option<Specular> {
 
 /// The model of a name that is nearest to the points in the sense of relative squares: a search over its roughness by equal
 /// factors, refined about the best, at each normal reflectance.
-pub(super) fn candidate(name: &str, points: &[Point], floor: f64) -> Material {
+pub(super) fn candidate(name: &str, points: &[Point], floor: f64) -> Fit {
     let reflectances = if matches!(name, "beckmann" | "ggx") { &REFLECTANCES[..] } else { &REFLECTANCES[..1] };
     let mut best = (f64::INFINITY, linear(points, None, floor));
     for &f0 in reflectances {
@@ -63,17 +63,33 @@ pub(super) fn candidate(name: &str, points: &[Point], floor: f64) -> Material {
             (low, high) = (nearest.1 - width, (nearest.1 + width).min(0.0));
         }
     }
-    best.1.1
+    Fit::of(best.1.1)
 }
 
-/// kd and ks of each channel, within what a material may have, and the sum of relative squares.
+/// kd and ks of each channel, and the sum of relative squares of what they leave.
+pub(super) struct Colors {
+    pub kd: [f64; 3],
+    pub ks: [f64; 3],
+    pub error: f64,
+}
+
 fn linear(points: &[Point], specular: Option<Specular>, floor: f64) -> (f64, Material) {
     let lobe: Vec<f64> = points.iter().map(|p| specular.map_or(0.0, |s| s.eval(p.wi, p.wo))).collect();
-    let mut material = Material { kd: [0.0; 3], ks: [0.0; 3], specular };
-    let mut error = 0.0;
+    let Colors { kd, ks, error } = colors(points.iter(), &lobe, floor, 1.0);
+    (error, Material { kd, ks, specular })
+}
+
+/// The colours of a lobe whose values at the points are given: least relative squares, kd at most 1, ks at most `most`.
+pub(super) fn colors<'a>(
+    points: impl Iterator<Item = &'a Point> + Clone,
+    lobe: &[f64],
+    floor: f64,
+    most: f64,
+) -> Colors {
+    let mut found = Colors { kd: [0.0; 3], ks: [0.0; 3], error: 0.0 };
     for c in 0..3 {
         let (mut s1, mut sl, mut sll, mut sy, mut syl) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (p, l) in points.iter().zip(&lobe) {
+        for (p, l) in points.clone().zip(lobe) {
             let (y, w) = (p.rgb[c], (p.rgb[c] + floor).powi(-2));
             (s1, sl, sll, sy, syl) = (s1 + w, sl + w * l, sll + w * l * l, sy + w * y, syl + w * y * l);
         }
@@ -86,12 +102,15 @@ fn linear(points: &[Point], specular: Option<Specular>, floor: f64) -> (f64, Mat
             _ => (sy / s1, 0.0),
         };
         // Where ks is at its limit, kd is what is left.
-        let s = s.min(1.0);
-        let d = if s == 1.0 { ((sy - sl) / s1).max(0.0) } else { d };
-        (material.kd[c], material.ks[c]) = ((PI * d).min(1.0), s);
-        let d = material.kd[c] / PI;
-        error +=
-            points.iter().zip(&lobe).map(|(p, l)| ((d + s * l - p.rgb[c]) / (p.rgb[c] + floor)).powi(2)).sum::<f64>();
+        let limited = s.min(most);
+        let d = if limited < s { ((sy - limited * sl) / s1).max(0.0) } else { d };
+        (found.kd[c], found.ks[c]) = ((PI * d).min(1.0), limited);
+        let d = found.kd[c] / PI;
+        found.error += points
+            .clone()
+            .zip(lobe)
+            .map(|(p, l)| ((d + limited * l - p.rgb[c]) / (p.rgb[c] + floor)).powi(2))
+            .sum::<f64>();
     }
-    (error, material)
+    found
 }

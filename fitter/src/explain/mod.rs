@@ -1,9 +1,11 @@
 //! Which model explains a measured material best, and how well: candidates fitted to the data, and their errors.
 
 mod fit;
+mod search;
 
 use crate::error::Directions;
 use crate::measured::{VIEWS, albedo};
+use brdf_tables::brdf::build;
 use brdf_tables::cap::Cap;
 use brdf_tables::cubature::{Cubature, Rule};
 use brdf_tables::errors::{Errors, Summary};
@@ -15,7 +17,11 @@ use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use fit::MODELS;
+/// Models that are tried.
+pub const MODELS: [&str; 9] = {
+    let ([lambert, phong, ward, beckmann, ggx, sheen], [sgd, abc, lobes]) = (fit::MODELS, search::MODELS);
+    [lambert, phong, ward, beckmann, ggx, sheen, sgd, abc, lobes]
+};
 
 /// Angles of the cap axes and radii, in lobe widths, at which the five errors are measured.
 const CAPS: [(f64, f64); 9] =
@@ -26,8 +32,10 @@ const CAPS: [(f64, f64); 9] =
 pub struct Candidate {
     /// Name of the model; that of the data is `data`.
     pub name: &'static str,
-    /// Its parameters, or the data as they are kept.
+    /// Its parameters; of a model that no recipe has, and of the data, values as they are kept.
     pub material: Material,
+    /// What `fitter fit` takes: a recipe, or the lines of a file.
+    pub recipe: String,
     /// Root mean square of relative errors of f_r over the points of the fit.
     pub relative: f64,
     /// The same at each of [`VIEWS`].
@@ -45,6 +53,28 @@ pub struct Symmetry {
     pub exchanged: [f64; 2],
     /// The same between both mirror images.
     pub mirrored: [f64; 2],
+}
+
+/// f_r of two directions, RGB.
+type Value = Box<dyn Fn(DVec3, DVec3) -> [f64; 3] + Send + Sync>;
+
+/// A model with its parameters.
+struct Fit {
+    material: Material,
+    recipe: String,
+    value: Value,
+}
+
+impl Fit {
+    fn of(material: Material) -> Self {
+        Self { material, recipe: material.recipe_text(), value: Box::new(move |wi, wo| material.eval(wi, wo)) }
+    }
+
+    /// A model that files say, of the format that `kind` names; `None` where its values make no material.
+    fn function(kind: &str, text: String, value: Value) -> Option<Self> {
+        let material = build(kind, true, |wi, wo| Some(value(wi, wo))).ok()?.material;
+        Some(Self { material, recipe: format!("# a file that ends in .{kind}\n{}", text.trim_end()), value })
+    }
 }
 
 /// A pair of directions with f_r of the data.
@@ -89,13 +119,13 @@ pub fn explain(data: &dyn Source, kept: &Material) -> Vec<Candidate> {
     let points = points(data);
     let floor = fit::floor(&points);
     let truth = means(kept);
-    let finish = |name, material: Material| {
+    let finish = |name, Fit { material, recipe, value }: Fit| {
         let relative = |of: &dyn Fn(&Point) -> bool| {
             let errors: Vec<f64> = points
                 .iter()
                 .filter(|p| of(p))
                 .map(|p| {
-                    let found = material.eval(p.wi, p.wo);
+                    let found = value(p.wi, p.wo);
                     (0..3).map(|c| ((found[c] - p.rgb[c]) / (p.rgb[c] + floor)).powi(2)).sum::<f64>() / 3.0
                 })
                 .collect();
@@ -105,16 +135,22 @@ pub fn explain(data: &dyn Source, kept: &Material) -> Vec<Candidate> {
         Candidate {
             name,
             material,
+            recipe,
             relative: relative(&|_| true),
             by_view: (0..VIEWS.len()).map(|k| relative(&|p| p.view == k)).collect(),
             albedo: VIEWS.iter().map(|d| albedo(&material, views(*d))).collect(),
             errors: errors(&truth, &material),
         }
     };
+    let fit = |name: &'static str| match search::MODELS.contains(&name) {
+        true => search::candidate(name, &points, floor),
+        false => Some(fit::candidate(name, &points, floor)),
+    };
+    // Those that take long are begun first.
     let mut candidates: Vec<Candidate> =
-        MODELS.par_iter().map(|name| finish(*name, fit::candidate(name, &points, floor))).collect();
+        MODELS.into_par_iter().rev().filter_map(|name| Some(finish(name, fit(name)?))).collect();
     candidates.sort_by(|a, b| a.relative.total_cmp(&b.relative));
-    candidates.insert(0, finish("data", *kept));
+    candidates.insert(0, finish("data", Fit::of(*kept)));
     candidates
 }
 

@@ -20,7 +20,7 @@ const PICTURES: usize = 4;
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#282c34;max-width:1000px;margin:24px auto;padding:0 16px}\
 h1{font-size:24px}h2{font-size:18px;margin:28px 0 8px}table{border-collapse:collapse;font-size:14px}\
 th,td{padding:4px 10px;text-align:right;border-bottom:1px solid #d6dae0}th:first-child,td:first-child{text-align:left}\
-td{white-space:nowrap}th:last-child{text-align:left}td.recipe{white-space:normal;text-align:left;font:12px ui-monospace,monospace}figure{display:inline-block;margin:0 12px 12px 0;vertical-align:top}\
+td{white-space:nowrap}th:last-child{text-align:left}td.recipe{white-space:pre-line;text-align:left;font:12px ui-monospace,monospace}figure{display:inline-block;margin:0 12px 12px 0;vertical-align:top}\
 figcaption{font-size:13px;max-width:460px}.grid{stroke:#e4e7eb}.mark{stroke:#a01028;stroke-dasharray:4 3}\
 .line{fill:none;stroke-width:1.6}svg text{font-size:11px;fill:#282c34}.x{text-anchor:middle}.y{text-anchor:end}\
 .key{display:inline-block;width:22px;height:3px;vertical-align:middle;margin-right:5px}.bad{color:#a01028;font-weight:600}\
@@ -153,18 +153,21 @@ fn models(candidates: &[Candidate]) -> String {
             percent(candidate.relative),
             shown(0),
             shown(4),
-            escape(&recipe(&candidate.material))
+            escape(&recipe(&candidate.recipe))
         );
     }
     html + "</table>"
 }
 
-/// The recipe with as many digits as matter, that `fitter fit` takes.
-fn recipe(material: &Material) -> String {
+/// The recipe with as many digits as matter, that `fitter fit` takes. Lines of a file have no more.
+fn recipe(full: &str) -> String {
+    const ENDS: [char; 7] = [',', ':', '=', '[', ']', ' ', '\n'];
+    if full.starts_with('#') {
+        return full.into();
+    }
     let mut text = String::new();
-    let full = material.recipe_text();
-    for part in full.split_inclusive([',', ':', '=', '[', ']', ' ']) {
-        let (number, end) = part.split_at(part.trim_end_matches([',', ':', '=', '[', ']', ' ']).len());
+    for part in full.split_inclusive(ENDS) {
+        let (number, end) = part.split_at(part.trim_end_matches(ENDS).len());
         match number.parse::<f64>() {
             Ok(x) if number.len() > 6 && number.contains('.') => {
                 let _ = write!(text, "{}{end}", (x * 1e4).round() / 1e4);
@@ -203,6 +206,6 @@ mod tests {
     fn names_cannot_break_the_page() {
         assert_eq!(escape("<a \"b\"&>"), "&lt;a &quot;b&quot;&amp;&gt;");
         let material = Material::lambert([1.0 / 3.0; 3]);
-        assert_eq!(recipe(&material), "lambert:reflectance=0.3333");
+        assert_eq!(recipe(&material.recipe_text()), "lambert:reflectance=0.3333");
     }
 }

@@ -1,4 +1,4 @@
-//! The components of a material that is made of others: blends and coats; and of one of a Lambertian base and a lobe, where
+//! The components of a material that is made of others: blends, coats and sheen; and of one of a Lambertian base and a lobe, where
 //! the lobe is too sharp for records.
 //!
 //! [`World::bsdf`] picks one of them by the point, which is right on average. Here all of them are had, with their weights, so
@@ -185,7 +185,7 @@ fn collect(
 ) -> Option<u32> {
     let material = scene.materials.get(id.0 as usize)?;
     let own = match material {
-        Material::Blend { .. } | Material::Coat { .. } => 1,
+        Material::Blend { .. } | Material::Coat { .. } | Material::Sheen { .. } => 1,
         Material::Dielectric { .. } | Material::ThinDielectric { .. } => return None,
         Material::RoughDielectric { .. } | Material::Glass { .. } => return None,
         _ => u32::from(splits(id)),

@@ -60,7 +60,8 @@ impl<'a> Bsdf<'a> {
             | Model::Sheet(_)
             | Model::SmoothCoat(_)
             | Model::MetallicRoughness(_)
-            | Model::ClearCoat(_) => None,
+            | Model::ClearCoat(_)
+            | Model::Function(..) => None,
         }
     }
 }

@@ -9,6 +9,7 @@ mod coat;
 mod components;
 mod dielectric;
 mod facets;
+mod fibres;
 mod fresnel;
 mod glass;
 mod glossy;
@@ -23,7 +24,7 @@ mod sheet;
 mod tests;
 
 use crate::frame::{Frame, cosine_hemisphere};
-use crate::scene::{MaterialId, Rgb};
+use crate::scene::{MaterialId, Reflection, Rgb};
 pub(crate) use burley::{Added, ClearCoat};
 pub(crate) use coat::{CoatTable, RoughCoat, SmoothCoat};
 pub use components::Component;
@@ -32,6 +33,7 @@ use core::f32::consts::FRAC_1_PI;
 use core::ops::{Add, Mul};
 pub(crate) use dielectric::{Dielectric, ThinDielectric};
 pub(crate) use facets::Facets;
+pub(crate) use fibres::FibreTable;
 use glam::{Vec2, Vec3A};
 pub(crate) use glass::GlassTable;
 pub(crate) use glossy::{Glossy, Lobe};
@@ -140,6 +142,8 @@ pub(crate) enum Model<'a> {
     RoughCoat(RoughCoat<'a>),
     MetallicRoughness(MetallicRoughness),
     ClearCoat(ClearCoat),
+    /// f_r, and a rough share of light that is reflected.
+    Function(&'a dyn Reflection, Rgb),
 }
 
 /// Scattering at one point, seen from one direction.
@@ -206,7 +210,8 @@ impl Bsdf<'_> {
             | Model::RoughDielectric(_)
             | Model::Sheet(_)
             | Model::SmoothCoat(_)
-            | Model::ClearCoat(_) => None,
+            | Model::ClearCoat(_)
+            | Model::Function(..) => None,
         }
     }
 
@@ -223,7 +228,8 @@ impl Bsdf<'_> {
             | Model::SmoothCoat(_)
             | Model::RoughCoat(_)
             | Model::MetallicRoughness(_)
-            | Model::ClearCoat(_) => true,
+            | Model::ClearCoat(_)
+            | Model::Function(..) => true,
         }
     }
 
@@ -240,7 +246,8 @@ impl Bsdf<'_> {
             | Model::SmoothCoat(_)
             | Model::RoughCoat(_)
             | Model::MetallicRoughness(_)
-            | Model::ClearCoat(_) => false,
+            | Model::ClearCoat(_)
+            | Model::Function(..) => false,
         }
     }
 
@@ -279,6 +286,10 @@ impl Bsdf<'_> {
             Model::RoughCoat(m) => m.value(wo, wi),
             Model::MetallicRoughness(m) => m.value(wo, wi),
             Model::ClearCoat(m) => m.value(wo, wi),
+            Model::Function(function, _) => {
+                let (f, pdf) = function.eval(wi, wo);
+                Value { f: Split { diffuse: Rgb::ZERO, glossy: f }, pdf }
+            }
             Model::RoughDielectric(m) => return m.value(wo, wi),
             Model::Sheet(m) => return m.value(wo, wi),
             Model::Absorb | Model::Mirror(_) | Model::Dielectric(_) | Model::ThinDielectric(_) => Value::default(),
@@ -323,6 +334,7 @@ impl Bsdf<'_> {
             Model::RoughCoat(m) => m.sample(wo, choice, u),
             Model::MetallicRoughness(m) => m.sample(wo, choice, u),
             Model::ClearCoat(m) => m.sample(wo, u),
+            Model::Function(function, _) => function.sample(wo, u).map(Scatter::Direction),
         }?;
         match scatter {
             Scatter::Delta { wi, weight, eta } => Some(Sample {
@@ -365,6 +377,7 @@ impl Bsdf<'_> {
             Model::RoughCoat(m) => m.diffuse.min(Rgb::ONE),
             Model::MetallicRoughness(m) => m.base_color,
             Model::ClearCoat(m) => Rgb::splat(m.reflectance(self.wo.z)),
+            Model::Function(_, albedo) => *albedo,
         }
     }
 }

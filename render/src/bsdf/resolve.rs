@@ -60,6 +60,8 @@ impl World {
             Frame::from_normal(at.shading_normal)
         };
         let (mut unbent, mut diffuse_normal, mut coat) = (None, None, None);
+        // Factor on the fibres of a sheen.
+        let mut dyed = None;
         loop {
             match self.material(id) {
                 Material::TwoSided { front, back } => {
@@ -85,6 +87,17 @@ impl World {
                     let reflected = w * coat_reflectance(frame.normal().dot(at.wo).abs());
                     id = if which(Choice::Blend(reflected), id) == Pick::Second { *of_coat } else { *base };
                 }
+                Material::Sheen { color, fibres, base } => {
+                    let color = color.eval(&self.scene.textures, &at.coordinates).clamp(Vec3A::ZERO, Vec3A::ONE);
+                    let albedo = self.fibres(id).map_or(0.0, |t| t.albedo(frame.normal().dot(at.wo).abs()));
+                    let reflected = (color.max_element() * albedo).min(1.0);
+                    if which(Choice::Blend(reflected), id) == Pick::Second {
+                        dyed = (reflected > 0.0).then(|| color / reflected);
+                        id = *fibres;
+                    } else {
+                        id = *base;
+                    }
+                }
                 Material::NormalMap { texture, scale, raised, inner } => {
                     let smooth = frame.normal();
                     unbent = Some(smooth);
@@ -105,7 +118,10 @@ impl World {
                     let wo = frame.to_local(at.wo);
                     let [unbent, diffuse_normal] = [unbent, diffuse_normal].map(|n| n.map(|n| frame.to_local(n)));
                     let visible = unbent.is_none_or(|n| n.dot(wo) * wo.z > 0.0);
-                    let model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
+                    let mut model = if visible { self.model(id, material, at, wo) } else { Model::Absorb };
+                    if let (Model::Glossy(fibres), Some(color)) = (&mut model, dyed) {
+                        fibres.specular *= color;
+                    }
                     let coat = coat.filter(|_| visible).map(|(w, id)| self.added(w, id, at, wo));
                     let soft = self.scene.integrator.soft_terminator;
                     let facet = soft.then(|| frame.to_local(at.normal)).map(|n| n * 1f32.copysign(n.z));
@@ -150,6 +166,10 @@ impl World {
             Material::Lobe { diffuse, specular, model } => {
                 Model::Glossy(Glossy::new(diffuse.eval(textures, uv), specular.eval(textures, uv), Lobe::Any(model)))
             }
+            Material::Function { function } => match function.get() {
+                Some(reflection) => Model::Function(reflection, function.albedo()),
+                None => Model::Absorb,
+            },
             Material::Conductor { eta, k, specular } => {
                 let [eta, k, specular] = [eta, k, specular].map(|c| c.eval(textures, uv));
                 Model::Mirror(Mirror { eta, k, specular })
@@ -253,6 +273,7 @@ impl World {
             | Material::FrontAlone { .. }
             | Material::Blend { .. }
             | Material::Coat { .. }
+            | Material::Sheen { .. }
             | Material::NormalMap { .. }
             | Material::BumpMap { .. } => Model::Absorb,
         }

@@ -310,3 +310,59 @@ fn white_layers_keep_all_light() {
         }
     }
 }
+
+/// White fibres over a white base keep all light; dyed ones take from the base what the strongest channel reflects; what is picked
+/// by the point is the same on average.
+#[test]
+fn fibres_keep_all_light() {
+    let model = brdf_tables::Specular::Sheen(brdf_tables::brdf::Sheen { alpha: 0.3 });
+    let geometry = Geometry::Mesh(Mesh::rectangle(Affine3A::IDENTITY));
+    for color in [Rgb::ONE, Rgb::new(0.9, 0.5, 0.1), Rgb::ZERO] {
+        let shapes = vec![Shape { geometry: geometry.clone(), material: MaterialId(0), emitter: None }];
+        let materials = vec![
+            Material::Sheen { color: ColorTexture::Constant(color), fibres: MaterialId(1), base: MaterialId(2) },
+            Material::Lobe { diffuse: c(0.0), specular: c(1.0), model },
+            Material::Diffuse { reflectance: c(1.0) },
+        ];
+        let w = World::new(Scene { shapes, materials, ..Scene::default() }).unwrap();
+        let albedo = FibreTable::new(&brdf_tables::brdf::Sheen { alpha: 0.3 });
+        for cos in [0.15f32, 0.5, 0.95] {
+            let wo = Vec3A::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let reflected = |bsdf: &Bsdf, count: u32| {
+                let value = |i| {
+                    let d = crate::frame::uniform_sphere(Sampler::new(5, (0, 1), i).next_2d());
+                    bsdf.eval(d).f.sum() * (bsdf.abs_cos(d) * 4.0 * core::f32::consts::PI / count as f32)
+                };
+                (0..count).map(value).sum::<Rgb>()
+            };
+            let at = |i: u32| {
+                let p = Vec3A::new(0.3 * (i as f32 * 0.618).fract(), 0.3 * (i as f32 * 0.755).fract(), 0.0);
+                let ray = Ray::new(p + wo, -wo);
+                w.interaction(&ray, &w.intersect(&ray))
+            };
+            let mut sum = Rgb::ZERO;
+            w.components(
+                &at(0),
+                |_| false,
+                |c| {
+                    let part = reflected(&c.bsdf, 1 << 16);
+                    println!("{color} {cos}: {} of {part}, table {}", c.weight, albedo.albedo(cos));
+                    sum += c.weight * part;
+                },
+            );
+            let right = Rgb::ONE + (color - Rgb::splat(color.max_element())) * albedo.albedo(cos);
+            assert!((sum - right).abs().max_element() < 0.01, "{color} {cos}: {sum} {right}");
+            let picked = (0..4096).map(|i| reflected(&w.bsdf(&at(i)), 16)).sum::<Rgb>() / 4096.0;
+            assert!((picked - right).abs().max_element() < 0.05, "{color} {cos}: {picked} {right}");
+        }
+    }
+    let bare = |fibres| {
+        let materials = vec![
+            Material::Sheen { color: c(1.0), fibres, base: MaterialId(1) },
+            Material::Diffuse { reflectance: c(1.0) },
+        ];
+        World::new(Scene { materials, ..Scene::default() }).err().map(|e| e.to_string())
+    };
+    assert_eq!(bare(MaterialId(1)).unwrap(), "material 0: fibres are the model `sheen`");
+    assert!(bare(MaterialId(7)).unwrap().contains("refers to material 7"));
+}

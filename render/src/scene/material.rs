@@ -1,6 +1,6 @@
 //! How surfaces scatter light: Mitsuba's plugins, with its semantics (one-sided unless transmissive or `TwoSided`).
 
-use super::{ColorTexture, FloatTexture, Rgb, TextureId};
+use super::{ColorTexture, FloatTexture, Function, Rgb, TextureId};
 use brdf_tables::Specular;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +67,11 @@ pub enum Material {
         specular: ColorTexture,
         /// The model.
         model: Specular,
+    },
+    /// Data for which there is no formula, such as those of anisotropic materials.
+    Function {
+        /// f_r.
+        function: Function,
     },
     /// Smooth metal; a perfect mirror has eta = 0, k = 1.
     Conductor {
@@ -279,6 +284,16 @@ pub enum Material {
         weight: FloatTexture,
         /// What the coat reflects, as if it reflected all; of one that is added, as it is.
         coat: MaterialId,
+        /// What lies below.
+        base: MaterialId,
+    },
+    /// Fibres that stand on a surface (KHR_materials_sheen): color · fibres + (1 − m E) · base, with m the largest channel of the
+    /// colour and E the albedo of the fibres at the angle of the view to the shading normal, so that no light is made.
+    Sheen {
+        /// Colour, each channel 0 … 1.
+        color: ColorTexture,
+        /// The fibres, white: a [`Material::Lobe`] of `brdf-tables`' sheen, or one that is wrapped.
+        fibres: MaterialId,
         /// What lies below.
         base: MaterialId,
     },

@@ -5,6 +5,7 @@
 
 mod camera;
 pub mod checksum;
+mod function;
 mod light;
 #[cfg(feature = "formats")]
 pub mod load;
@@ -17,6 +18,7 @@ mod validate;
 
 pub use crate::color::Rgb;
 pub use camera::{Camera, Crop, Film, Filter, FovAxis, Lens, Projection};
+pub use function::{Function, Reflection};
 pub use light::{AreaEmitter, Environment, EnvironmentMap, Falloff, Light, Rows};
 pub use material::{Distribution, Material, MaterialId, WardVariant};
 pub use mesh::{Geometry, Group, Instance, Mesh, Shape, Sphere};

@@ -31,7 +31,7 @@ impl Opacity {
                     Some(*inner)
                 }
                 // Of two that are mixed or laid on each other, neither has holes.
-                Material::Blend { .. } | Material::Coat { .. } => None,
+                Material::Blend { .. } | Material::Coat { .. } | Material::Sheen { .. } => None,
                 other => other.children().next(),
             };
         }

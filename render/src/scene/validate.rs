@@ -1,6 +1,8 @@
 //! The promises a scene makes to the renderer: indices in range, finite numbers, no endless nesting.
 
 use super::*;
+use brdf_tables::Specular;
+use brdf_tables::brdf::Sheen as Fibres;
 use thiserror::Error;
 
 /// What is wrong with a scene.
@@ -43,7 +45,7 @@ impl Material {
         let pair = match *self {
             Self::TwoSided { front, back } => [Some(front), Some(back)],
             Self::Blend { first, second, .. } => [Some(first), Some(second)],
-            Self::Coat { coat, base, .. } => [Some(coat), Some(base)],
+            Self::Coat { coat: upper, base, .. } | Self::Sheen { fibres: upper, base, .. } => [Some(upper), Some(base)],
             Self::Mask { inner, .. }
             | Self::FrontAlone { inner, .. }
             | Self::NormalMap { inner, .. }
@@ -52,6 +54,7 @@ impl Material {
             | Self::Phong { .. }
             | Self::Ward { .. }
             | Self::Lobe { .. }
+            | Self::Function { .. }
             | Self::Conductor { .. }
             | Self::RoughConductor { .. }
             | Self::Dielectric { .. }
@@ -96,8 +99,9 @@ impl Material {
             | Self::Mask { opacity: share, .. }
             | Self::Blend { weight: share, .. }
             | Self::Coat { weight: share, .. } => (&[], &[share]),
+            Self::Sheen { color, .. } => (&[color], &[]),
             Self::NormalMap { texture, .. } | Self::BumpMap { texture, .. } => return vec![*texture],
-            Self::TwoSided { .. } | Self::FrontAlone { .. } => return Vec::new(),
+            Self::TwoSided { .. } | Self::FrontAlone { .. } | Self::Function { .. } => return Vec::new(),
         };
         colors.iter().filter_map(|c| c.texture()).chain(floats.iter().filter_map(|f| f.texture())).collect()
     }
@@ -121,7 +125,14 @@ impl Scene {
                 let clear = matches!(self.materials[coat.0 as usize], Material::ClearCoat { .. });
                 require(clear, || format!("{}: a coat that is added is a clear coat", what()))?;
             }
-            if let Material::Blend { .. } | Material::Coat { .. } = m {
+            if let Material::Function { function } = m {
+                require(function.get().is_some(), || format!("{}: its function is not there", what()))?;
+            }
+            if let Material::Sheen { fibres, .. } = m {
+                let lobe = self.fibres(*fibres).is_some();
+                require(lobe, || format!("{}: fibres are the model `sheen`", what()))?;
+            }
+            if let Material::Blend { .. } | Material::Coat { .. } | Material::Sheen { .. } = m {
                 let holes = |m: &Material| matches!(m, Material::Mask { .. } | Material::FrontAlone { .. });
                 let masked = m.children().any(|c| holes(&self.materials[c.0 as usize]));
                 require(!masked, || format!("{}: a mask inside a blend; put the blend inside the mask", what()))?;
@@ -155,6 +166,18 @@ impl Scene {
         }
         self.check_lights()?;
         self.check_camera()
+    }
+
+    /// The model of fibres behind what wraps it.
+    pub(crate) fn fibres(&self, id: MaterialId) -> Option<Fibres> {
+        let mut next = Some(id);
+        for _ in 0..MAX_NESTING {
+            next = match self.materials.get(next?.0 as usize)? {
+                Material::Lobe { model: Specular::Sheen(sheen), .. } => return Some(*sheen),
+                wrapper => wrapper.children().next(),
+            };
+        }
+        None
     }
 
     fn material_name(&self, i: usize) -> String {

@@ -7,7 +7,7 @@ mod primitives;
 mod queries;
 mod sphere;
 
-use crate::bsdf::{CoatTable, FacetTable, GlassTable};
+use crate::bsdf::{CoatTable, FacetTable, FibreTable, GlassTable};
 use crate::light::{FirstEmitter, Lights};
 use crate::ray::{Hit, Ray};
 use crate::scene::{FloatTexture, Material, MaterialId, Rgb, Scene, SceneError, Texture, TextureId};
@@ -42,6 +42,8 @@ pub struct World {
     glasses: Vec<Option<Arc<GlassTable>>>,
     /// Tables of the facets over layered bases, by material.
     facets: Vec<Option<Arc<FacetTable>>>,
+    /// Tables of the fibres on a surface, by the material that has both.
+    fibres: Vec<Option<Box<FibreTable>>>,
 }
 
 impl World {
@@ -69,6 +71,11 @@ impl World {
             Some(Box::new(CoatTable::new(*distribution, *alpha, *eta)))
         };
         let coats = scene.materials.iter().map(coat).collect();
+        let fibres = |m: &Material| {
+            let Material::Sheen { fibres, .. } = m else { return None };
+            scene.fibres(*fibres).map(|model| Box::new(FibreTable::new(&model)))
+        };
+        let fibres = scene.materials.iter().map(fibres).collect();
         let (glasses, facets) = (glasses(&scene), facets(&scene));
         Ok(Self {
             scene,
@@ -82,6 +89,7 @@ impl World {
             coats,
             glasses,
             facets,
+            fibres,
         })
     }
 
@@ -138,6 +146,11 @@ impl World {
         self.facets[id.0 as usize].as_deref()
     }
 
+    #[inline]
+    pub(crate) fn fibres(&self, id: MaterialId) -> Option<&FibreTable> {
+        self.fibres[id.0 as usize].as_deref()
+    }
+
     /// Absorption coefficient behind a material that is a boundary of glass.
     #[inline]
     pub(crate) fn boundary(&self, id: MaterialId) -> Option<Rgb> {
@@ -188,7 +201,7 @@ fn large_image(scene: &Scene, i: usize) -> Option<TextureId> {
 /// Whether evaluating material `i` needs the direction of u: anisotropy, or a normal from a texture.
 fn needs_tangents(scene: &Scene, i: usize) -> bool {
     match &scene.materials[i] {
-        Material::NormalMap { .. } | Material::BumpMap { .. } => true,
+        Material::NormalMap { .. } | Material::BumpMap { .. } | Material::Function { .. } => true,
         Material::Ward { alpha_u, alpha_v, .. }
         | Material::RoughConductor { alpha_u, alpha_v, .. }
         | Material::RoughDielectric { alpha_u, alpha_v, .. } => alpha_u != alpha_v,

@@ -1,6 +1,7 @@
 //! Surfaces of several components, and bent normals: a record is light, and serves them all.
 
 use crate::common::{compare, drawn, noise, traced, world};
+use brdf_tables::brdf::{Sheen, Specular};
 use glam::{Affine2, Vec2, Vec3A};
 use render::integrator::cached::policy::Allowed;
 use render::scene::{ColorTexture, FloatTexture, Material, MaterialId, Scene};
@@ -133,6 +134,19 @@ fn coats_are_sums_of_their_parts() {
         Material::Coat { added: true, weight, coat, base }
     });
     assert!(records("principled under a clear coat", Allowed::Auto, &painted) > 0);
+}
+
+/// Fibres over a glossy base read the records that the base reads.
+#[test]
+fn fibres_share_records() {
+    let sheen = floor(|s| {
+        let model = Specular::Sheen(Sheen { alpha: 0.4 });
+        let fibres = push(s, Material::Lobe { diffuse: gray(0.0), specular: gray(1.0), model });
+        let base = push(s, phong(20.0, 0.2));
+        Material::Sheen { color: ColorTexture::Constant(Vec3A::new(0.9, 0.6, 0.3)), fibres, base }
+    });
+    assert!(records("sheen over 20", Allowed::Auto, &sheen) > 0);
+    records("sheen over 20, EAS", Allowed::Eas, &sheen);
 }
 
 /// Normals bent by a texture, up to 17° here, spread what is seen in a record, so that it reaches less far; it serves all of them.

@@ -103,26 +103,36 @@ impl Data {
     #[inline(always)]
     pub fn value<T: Real>(&self, x: [T; 3]) -> T {
         let [rows, columns, depth] = self.shape.nodes();
-        let place = |x: T, nodes: usize| {
-            let at = x * x.lit((nodes - 1) as f64);
-            let low = at.min(x.lit((nodes - 2) as f64)).max(x.lit(0.0)).floor();
-            (low, at - low)
-        };
         let ((h, fh), (d, fd), (p, fp)) = (place(x[0], rows), place(x[1], columns), place(x[2], depth));
         let row = depth - 1;
         let index = (h * h.lit(columns as f64) + d) * h.lit(row as f64) + p;
-        let along = |offset: usize| {
-            let (a, b) = T::fetch_pair(index, &self.pairs[offset..]);
-            (b - a).mul_add(fp, a)
-        };
-        let (near, beside) = (along(0), along(row));
-        let (above, across) = (along(columns * row), along((columns + 1) * row));
+        let pairs = &self.pairs[..];
+        let (near, beside) = (between(index, fp, pairs), between(index, fp, &pairs[row..]));
+        let (above, across) =
+            (between(index, fp, &pairs[columns * row..]), between(index, fp, &pairs[(columns + 1) * row..]));
         let low = (beside - near).mul_add(fd, near);
         let high = (across - above).mul_add(fd, above);
         let [first, last] = self.stored.range;
         let step = x[0].lit((last - first) / 65535.0);
         (high - low).mul_add(fh, low).mul_add(step, x[0].lit(first)).exp2()
     }
+}
+
+// Functions that are told to be inlined, which closures cannot be: in lanes, what is not inlined calls a function per operation.
+
+/// The node below a unit coordinate, and the way to the next.
+#[inline(always)]
+fn place<T: Real>(x: T, nodes: usize) -> (T, T) {
+    let at = x * x.lit((nodes - 1) as f64);
+    let low = at.min(x.lit((nodes - 2) as f64)).max(x.lit(0.0)).floor();
+    (low, at - low)
+}
+
+/// The value on the way `by` between the pair at an index.
+#[inline(always)]
+fn between<T: Real>(index: T, by: T, pairs: &[u32]) -> T {
+    let (a, b) = T::fetch_pair(index, pairs);
+    (b - a).mul_add(by, a)
 }
 
 /// Keeps values for the life of the process: the ones that are there already, where they are the same.

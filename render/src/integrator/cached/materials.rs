@@ -67,6 +67,7 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
             let aspect = (1.0 - 0.9 * written(anisotropic.clamp(0.0, 1.0))).sqrt();
             facets(material, [alpha / aspect, alpha * aspect].map(|a| a.max(1e-3))).ok_or(NO_TABLE)?
         }
+        Material::Function { .. } => return Err("anisotropic data, of which there are no tables"),
         Material::ClearCoat { .. } => return Err("the long tail of a clear coat is in no table"),
         Material::Conductor { .. } | Material::Dielectric { .. } => return Err(PERFECT),
         Material::ThinDielectric { .. } | Material::Plastic { .. } => return Err(PERFECT),
@@ -74,7 +75,7 @@ pub fn specular(material: &Material) -> Result<Specular, &'static str> {
         Material::Diffuse { .. } => return Err("diffuse"),
         Material::TwoSided { .. } | Material::Mask { .. } | Material::FrontAlone { .. } => return Err(OTHERS),
         Material::NormalMap { .. } | Material::BumpMap { .. } => return Err(OTHERS),
-        Material::Blend { .. } | Material::Coat { .. } => return Err(OTHERS),
+        Material::Blend { .. } | Material::Coat { .. } | Material::Sheen { .. } => return Err(OTHERS),
     };
     Recipe::specular(specular).validate().map(|()| specular).map_err(|_| outside)
 }

@@ -2,8 +2,9 @@
 
 use super::super::{
     AreaEmitter, Bitmap, Camera, ColorTexture, Crop, Distribution, Environment, EnvironmentMap, Falloff, Film, Filter,
-    FloatTexture, Geometry, Group, Instance, Interpolation, Lens, Light, Material, MaterialId, Mesh, Projection,
-    Reading, Rgb, Rows, Shape, Sphere, Stored, Texels, Texture, TextureId, Transfer, WardVariant, Wrap,
+    FloatTexture, Function, Geometry, Group, Instance, Interpolation, Lens, Light, Material, MaterialId, Mesh,
+    Projection, Reading, Reflection, Rgb, Rows, Shape, Sphere, Stored, Texels, Texture, TextureId, Transfer,
+    WardVariant, Wrap,
 };
 use super::*;
 use crate::image::{Channels, Raster, Samples};
@@ -11,6 +12,21 @@ use brdf_tables::brdf::{Sheen, Specular};
 use glam::{Affine2, Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use serde::de::{DeserializeOwned, IntoDeserializer, value::StrDeserializer};
 use serde_json::Value;
+use std::sync::Arc;
+
+/// A surface that reflects nothing.
+#[derive(Debug)]
+struct Nothing;
+
+impl Reflection for Nothing {
+    fn eval(&self, _: Vec3A, _: Vec3A) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    fn sample(&self, _: Vec3A, _: Vec2) -> Option<Vec3A> {
+        None
+    }
+}
 
 /// Scenes that together hold every variant of every type.
 fn scenes() -> Vec<Scene> {
@@ -41,6 +57,7 @@ fn scenes() -> Vec<Scene> {
         Material::Phong { diffuse, specular, exponent: f(30.0) },
         Material::Ward { variant: WardVariant::Ward, diffuse, specular, alpha_u, alpha_v },
         Material::Lobe { diffuse, specular, model: Specular::Sheen(Sheen { alpha: 0.5 }) },
+        Material::Function { function: Function::new(7, Arc::new(Nothing)) },
         Material::Conductor { eta: c(1.0), k: c(2.0), specular },
         Material::RoughConductor { distribution, alpha_u, alpha_v, eta: c(1.0), k: c(2.0), specular },
         Material::Dielectric { eta, reflectance, transmittance },
@@ -81,6 +98,7 @@ fn scenes() -> Vec<Scene> {
         Material::NormalMap { texture: texture(0), scale: 1.0, raised: true, inner: id(0) },
         Material::BumpMap { texture: texture(0), scale: 1.0, inner: id(0) },
         Material::Coat { added: false, weight: FloatTexture::PaintedStep(None, 0.5), coat: id(0), base: id(1) },
+        Material::Sheen { color: c(0.5), fibres: id(3), base: id(1) },
         Material::Blend { weight: f(0.5), first: id(0), second: id(1) },
     ];
     let mesh = Mesh {

@@ -144,6 +144,7 @@ impl Builder<'_> {
                 let opaque = Opaque { id, metal, normal, base_color, metallic, roughness, solid: on.solid };
                 id = self.glass(source, &opaque, weight);
             }
+            let id = self.sheened(id, normal, source, uv_sets)?;
             (self.coated(id, source, uv_sets)?, self.emission(source, uv_sets)?)
         };
         let lamp = lamp(source);

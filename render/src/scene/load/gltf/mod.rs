@@ -19,6 +19,7 @@ mod morph;
 mod placement;
 mod pose;
 mod scenes;
+mod sheen;
 mod sides;
 mod skin;
 mod texture;

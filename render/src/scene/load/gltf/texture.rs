@@ -41,7 +41,7 @@ impl TextureCache {
 }
 
 /// The textures that materials refer to, of those that are drawn.
-const READ: [&str; 10] = [
+const READ: [&str; 12] = [
     "baseColorTexture",
     "metallicRoughnessTexture",
     "normalTexture",
@@ -52,6 +52,8 @@ const READ: [&str; 10] = [
     "clearcoatTexture",
     "clearcoatRoughnessTexture",
     "clearcoatNormalTexture",
+    "sheenColorTexture",
+    "sheenRoughnessTexture",
 ];
 
 /// Indices of the textures that a material in JSON refers to, in the order of the text.
