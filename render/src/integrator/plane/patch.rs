@@ -109,10 +109,11 @@ fn piece_of_triangle(barycentric: Vec2, n: u32) -> u32 {
 
 /// Barycentric coordinates of a point, uniform over a piece.
 fn point_of_triangle(piece: u32, n: u32, u: Vec2) -> Vec2 {
-    // The strip before which lie j (2n − j) pieces.
-    let before = |j: u32| j * (2 * n - j);
-    let j = (0..n).rev().find(|j| before(*j) <= piece).unwrap_or(0);
-    let (i, turned) = ((piece - before(j)) / 2, (piece - before(j)) % 2);
+    // Before strip j lie j (2n − j) pieces, so that n² − `piece` of them, (n − j)² at most, are left.
+    let left = f64::from(n * n - piece).sqrt().ceil() as u32;
+    let j = n - left;
+    let within = piece - j * (2 * n - j);
+    let (i, turned) = (within / 2, within % 2);
     let inner = if u.x + u.y > 1.0 { 1.0 - u } else { u };
     let inner = if turned == 1 { 1.0 - inner } else { inner };
     (Vec2::new(i as f32, j as f32) + inner) / n as f32
