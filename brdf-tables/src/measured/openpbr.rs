@@ -214,14 +214,14 @@ impl Source for Surface {
         });
         if let Some(coat) = &self.coat {
             let (own, below) = (dielectric(cos, coat.index) * coat.facets.eval(wi, wo), coat.layer.below(wi.z, wo.z));
-            for c in 0..3 {
-                rgb[c] += coat.weight * (own + (below * coat.color[c] - 1.0) * rgb[c]);
+            for (f, color) in rgb.iter_mut().zip(coat.color) {
+                *f += coat.weight * (own + (below * color - 1.0) * *f);
             }
         }
         if let Some(fuzz) = &self.fuzz {
             let (own, below) = (fuzz.fibres.eval(wi, wo), fuzz.layer.below(wi.z, wo.z));
-            for c in 0..3 {
-                rgb[c] += fuzz.weight * (own * fuzz.color[c] + (below - 1.0) * rgb[c]);
+            for (f, color) in rgb.iter_mut().zip(fuzz.color) {
+                *f += fuzz.weight * (own * color + (below - 1.0) * *f);
             }
         }
         Some(rgb)
