@@ -214,8 +214,8 @@ def main():
         print(degrees, "satin", albedo(satin, np.radians(degrees)), "grey", albedo(grey, np.radians(degrees)))
     # A quarter of the azimuths: it is the same mirrored at both axes.
     metal = brushed(0.3, 0.8, (0.9, 0.7, 0.4))
-    rgl(valid / "brushed.bsdf", metal, np.radians(np.arange(0, 90, 12.8)), (16, 12), np.linspace(-np.pi, -np.pi / 2, 5))
-    for degrees in (0, 90):
+    rgl(valid / "brushed.bsdf", metal, np.radians(np.arange(0, 90, 12.8)), (14, 14), np.linspace(-np.pi, -np.pi / 2, 5))
+    for degrees in (20, 70):
         print("brushed, seen at 60 degrees from an azimuth of", degrees, albedo(metal, np.pi / 3, np.radians(degrees)))
     damaged(invalid)
 

@@ -18,7 +18,7 @@ use core::f64::consts::{FRAC_1_PI, PI};
 use glam::DVec3;
 
 /// A key, the range of its numbers, and whether it may have three.
-struct Key(&'static str, f64, f64, bool);
+pub(super) struct Key(pub &'static str, pub f64, pub f64, pub bool);
 
 const SGD: [Key; 11] = [
     Key("kd", 0.0, 1.0, true),
@@ -41,10 +41,10 @@ const ABC: [Key; 5] = [
     Key("ior", 1.0, 1e3, false),
 ];
 
-/// The numbers of a file, by key, in the order of `keys`.
-fn numbers<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[[f64; 3]; N], ReadError> {
+/// The numbers of a file, by key, in the order of `keys`; `None` of a key that is not there.
+pub(super) fn found<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[Option<[f64; 3]>; N], ReadError> {
     let fail = |line: usize, what: String| ReadError::new(Place::Line(line), what);
-    let known = || keys.iter().map(|k| k.0).collect::<Vec<_>>().join(", ");
+    let known = || known(keys);
     let mut found = [None; N];
     for (line, words) in text(bytes)?.lines().enumerate().map(|(i, l)| (i + 1, l.trim())) {
         if words.is_empty() || words.starts_with('#') {
@@ -74,10 +74,19 @@ fn numbers<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[[f64; 3]; N
             return Err(fail(line, format!("{key} stands there twice")));
         }
     }
+    Ok(found)
+}
+
+fn known(keys: &[Key]) -> String {
+    keys.iter().map(|k| k.0).collect::<Vec<_>>().join(", ")
+}
+
+/// The same where every key must be there.
+fn numbers<const N: usize>(bytes: &[u8], keys: &[Key; N]) -> Result<[[f64; 3]; N], ReadError> {
     let mut numbers = [[0.0; 3]; N];
-    for (k, rgb) in found.into_iter().enumerate() {
-        numbers[k] =
-            rgb.ok_or_else(|| ReadError::new(Place::File, format!("{} is missing (keys: {})", keys[k].0, known())))?;
+    for (k, rgb) in found(bytes, keys)?.into_iter().enumerate() {
+        let missing = || format!("{} is missing (keys: {})", keys[k].0, known(keys));
+        numbers[k] = rgb.ok_or_else(|| ReadError::new(Place::File, missing()))?;
     }
     Ok(numbers)
 }

@@ -12,6 +12,7 @@ mod error;
 mod fits;
 mod lines;
 mod merl;
+mod openpbr;
 pub mod rgl;
 mod scattered;
 pub mod shape;
@@ -38,6 +39,8 @@ pub enum Format {
     Sgd,
     /// `.abc`: parameters of the ABC model (Löw et al. 2012).
     Abc,
+    /// `.openpbr`: parameters of OpenPBR's base, specular, coat and fuzz.
+    OpenPbr,
 }
 
 /// Largest file read, bytes.
@@ -45,7 +48,7 @@ pub const MAX_BYTES: u64 = 1 << 30;
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 6] = [Self::Merl, Self::Cornell, Self::Csv, Self::Rgl, Self::Sgd, Self::Abc];
+    pub const ALL: [Self; 7] = [Self::Merl, Self::Cornell, Self::Csv, Self::Rgl, Self::Sgd, Self::Abc, Self::OpenPbr];
 
     /// What names of its files end in.
     pub fn extension(self) -> &'static str {
@@ -56,6 +59,7 @@ impl Format {
             Self::Rgl => "bsdf",
             Self::Sgd => "sgd",
             Self::Abc => "abc",
+            Self::OpenPbr => "openpbr",
         }
     }
 
@@ -139,6 +143,7 @@ impl Reading {
             Format::Rgl => rgl::reading(bytes),
             Format::Sgd => fits::sgd(bytes),
             Format::Abc => fits::abc(bytes),
+            Format::OpenPbr => openpbr::read(bytes),
         }
     }
 

@@ -50,6 +50,7 @@ Measured data, by what the name ends in:
             mirror direction
   .sgd .abc parameters fitted by others: kd, ks, alpha, p, f0, f1, kap, lambda, c, k,
             theta0 (Bagher et al. 2012); kd, a, b, c, ior (Low et al. 2012)
+  .openpbr  parameters of OpenPBR: base_…, specular_…, coat_…, fuzz_…
 The table holds the data themselves, isotropic and reciprocal; kd is the part
 that all directions share.";
 

@@ -30,7 +30,7 @@ how far what a table keeps is from them.";
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Measured data: .binary, .bsdf, .brdf, .csv, .sgd or .abc, as for fitter fit
+    /// Measured data: .binary, .bsdf, .brdf, .csv, .sgd, .abc or .openpbr, as for fitter fit
     file: PathBuf,
     /// Page to write
     #[arg(short, long, value_name = "PAGE.html")]
@@ -43,7 +43,10 @@ pub struct Args {
 pub fn run(args: Args) -> anyhow::Result<Outcome> {
     args.threads.apply()?;
     let name = args.file.display().to_string();
-    ensure!(measured::is_data(&name), "{name}: not measured data (.binary, .bsdf, .brdf, .csv, .sgd or .abc)");
+    ensure!(
+        measured::is_data(&name),
+        "{name}: not measured data (.binary, .bsdf, .brdf, .csv, .sgd, .abc or .openpbr)"
+    );
     Outputs::beside([args.file.as_path()]).file_of(&args.output, &["html"])?;
     let (reading, material, notes) = measured::load(&args.file)?;
     let candidates = explain(reading.source.as_ref(), &material);

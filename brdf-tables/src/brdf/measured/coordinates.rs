@@ -12,22 +12,28 @@ use glam::DVec3;
 #[inline(always)]
 pub fn unit<T: Real>(wi: [T; 3], wo: [T; 3]) -> [T; 3] {
     let (zero, one, tiny) = (wi[0].lit(0.0), wi[0].lit(1.0), wi[0].lit(1e-30));
+    let (half, two) = (one.lit(0.5), one.lit(2.0));
     let sum = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let difference = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
     let across2 = sum[0].sq() + sum[1].sq();
-    let sum2 = across2 + sum[2].sq();
-    let inverse = sum2.max(tiny).recip();
-    let (sin2_h, cos_h) = ((across2 * inverse).min(one), (sum[2] * inverse.sqrt()).clamp(zero, one));
+    let sum2 = (across2 + sum[2].sq()).max(tiny);
+    let (length, inverse) = (sum2.sqrt(), sum2.recip());
+    let (sin2_h, cos_h) = ((across2 * inverse).min(one), (sum[2] * inverse * length).clamp(zero, one));
     // sin²(θh/2) = sin²θh / (2 (1 + cosθh)) keeps the digits that 1 − cosθh loses near the normal.
-    let half = (sin2_h * (cos_h + cos_h + one.lit(2.0)).recip()).sqrt().min(one);
-    let theta_h = half.asin() * one.lit(2.0 * FRAC_2_PI);
-    let cos_d = (sum2 * one.lit(0.25)).min(one).sqrt();
-    let theta_d = one - cos_d.asin() * one.lit(FRAC_2_PI);
+    let theta_h = (sin2_h * (cos_h + cos_h + two).recip()).min(half).angle_of_half() * one.lit(FRAC_2_PI);
+    let cos_d = (length * half).min(one);
+    let theta_d = arc_cosine(cos_d) * one.lit(FRAC_2_PI);
     // The difference is 2 sinθd t with t ⊥ h, and t.z = −sinθh cosφd.
     let squared = difference[0].sq() + difference[1].sq() + difference[2].sq();
     let scale = (squared * sin2_h).max(tiny).sqrt().recip();
-    let phi_d = one - (difference[2].abs() * scale).min(one).asin() * one.lit(FRAC_2_PI);
+    let phi_d = arc_cosine((difference[2].abs() * scale).min(one)) * one.lit(FRAC_2_PI);
     [theta_h.min(one).sqrt(), theta_d.clamp(zero, one), phi_d.clamp(zero, one)]
+}
+
+/// Of a number in [0, 1].
+#[inline(always)]
+fn arc_cosine<T: Real>(x: T) -> T {
+    ((x.lit(1.0) - x) * x.lit(0.5)).angle_of_half()
 }
 
 /// θh, θd ∈ [0, π/2] and φd ∈ [0, π/2] of two directions, radian.

@@ -1,7 +1,7 @@
 //! The values of a measured material: as a file has them, and as a look-up wants them.
 
 use super::lattice::Shape;
-use crate::real::Real;
+use crate::real::{Constant, Real};
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};
 
@@ -36,8 +36,8 @@ pub struct Stored {
 pub struct Data {
     pub stored: Stored,
     pub shape: Shape,
-    /// Pairs of neighbours along φd, the first in the low half.
-    pairs: Vec<u32>,
+    /// Pairs of neighbours along φd, the first in the low half, at a node of θd and at the next: with one reading for four values.
+    quads: Vec<[u32; 2]>,
     pub tint: Option<(Shape, Vec<[f32; 3]>)>,
     pub checksum: u32,
     pub checksum_text: String,
@@ -81,40 +81,81 @@ impl Data {
                 Some((shape, colors.iter().map(|c| c.map(channel)).collect()))
             }
         };
-        let [_, _, columns] = lattice.nodes();
-        let pair = |w: &[u16]| u32::from(w[0]) | u32::from(w[1]) << 16;
-        let pairs = stored.values.chunks_exact(columns).flat_map(|row| row.windows(2).map(pair)).collect();
+        let [_, columns, depth] = lattice.nodes();
+        let mut quads = Vec::with_capacity(lattice.len());
+        for plane in stored.values.chunks_exact(columns * depth) {
+            let rows: Vec<&[u16]> = plane.chunks_exact(depth).collect();
+            for beside in rows.windows(2) {
+                quads.extend(beside[0].windows(2).zip(beside[1].windows(2)).map(|(a, b)| [pair(a), pair(b)]));
+            }
+        }
         let mut hasher = crc32fast::Hasher::new();
         for numbers in [&stored.values, &stored.tint] {
             hasher.update(bytemuck::cast_slice(numbers));
         }
         hasher.update(bytemuck::bytes_of(&[low, high, stored.alpha, stored.share]));
         let checksum = hasher.finalize();
-        Ok(Self { stored, shape: lattice, pairs, tint, checksum, checksum_text: format!("{checksum:08x}") })
+        Ok(Self { stored, shape: lattice, quads, tint, checksum, checksum_text: format!("{checksum:08x}") })
     }
 
     /// Pairs of neighbours along φd, the first in the low half.
     #[cfg(feature = "wgsl")]
-    pub fn pairs(&self) -> &[u32] {
-        &self.pairs
+    pub fn pairs(&self) -> Vec<u32> {
+        let [_, _, depth] = self.shape.nodes();
+        self.stored.values.chunks_exact(depth).flat_map(|row| row.windows(2).map(pair)).collect()
+    }
+
+    /// f_r in sr⁻¹ at unit coordinates.
+    pub fn value(&self, x: [f64; 3]) -> f64 {
+        Lookup::new(self).value(x)
+    }
+}
+
+/// The values with the constants of their look-up, which are made once for many directions.
+pub struct Lookup<'a> {
+    quads: &'a [[u32; 2]],
+    /// Quads of a plane of θh.
+    plane: usize,
+    /// Last node of each axis, and the last but one.
+    last: [Constant; 3],
+    before: [Constant; 3],
+    /// Quads of a row of φd, and rows of a plane.
+    row: Constant,
+    rows: Constant,
+    /// Binary logarithm of the smallest value, and of the factor from one to the next.
+    low: Constant,
+    step: Constant,
+}
+
+impl<'a> Lookup<'a> {
+    #[inline(always)]
+    pub fn new(data: &'a Data) -> Self {
+        let nodes = data.shape.nodes();
+        let [_, columns, depth] = nodes;
+        let constant = |n: usize| Constant::from(n as f64);
+        let [first, last] = data.stored.range;
+        Self {
+            quads: &data.quads,
+            plane: (columns - 1) * (depth - 1),
+            last: nodes.map(|n| constant(n - 1)),
+            before: nodes.map(|n| constant(n - 2)),
+            row: constant(depth - 1),
+            rows: constant(columns - 1),
+            low: first.into(),
+            step: ((last - first) / 65535.0).into(),
+        }
     }
 
     /// f_r in sr⁻¹ at unit coordinates.
     #[inline(always)]
-    pub fn value<T: Real>(&self, x: [T; 3]) -> T {
-        let [rows, columns, depth] = self.shape.nodes();
-        let ((h, fh), (d, fd), (p, fp)) = (place(x[0], rows), place(x[1], columns), place(x[2], depth));
-        let row = depth - 1;
-        let index = (h * h.lit(columns as f64) + d) * h.lit(row as f64) + p;
-        let pairs = &self.pairs[..];
-        let (near, beside) = (between(index, fp, pairs), between(index, fp, &pairs[row..]));
-        let (above, across) =
-            (between(index, fp, &pairs[columns * row..]), between(index, fp, &pairs[(columns + 1) * row..]));
-        let low = (beside - near).mul_add(fd, near);
-        let high = (across - above).mul_add(fd, above);
-        let [first, last] = self.stored.range;
-        let step = x[0].lit((last - first) / 65535.0);
-        (high - low).mul_add(fh, low).mul_add(step, x[0].lit(first)).exp2()
+    pub fn value<T: Real>(&self, [h, d, p]: [T; 3]) -> T {
+        let (h, fh) = place(h, self.last[0], self.before[0]);
+        let (d, fd) = place(d, self.last[1], self.before[1]);
+        let (p, fp) = place(p, self.last[2], self.before[2]);
+        let index = (h * h.constant(self.rows) + d) * h.constant(self.row) + p;
+        let low = across(index, (fd, fp), self.quads);
+        let high = across(index, (fd, fp), &self.quads[self.plane..]);
+        (high - low).mul_add(fh, low).mul_add(h.constant(self.step), h.constant(self.low)).exp2()
     }
 }
 
@@ -122,17 +163,23 @@ impl Data {
 
 /// The node below a unit coordinate, and the way to the next.
 #[inline(always)]
-fn place<T: Real>(x: T, nodes: usize) -> (T, T) {
-    let at = x * x.lit((nodes - 1) as f64);
-    let low = at.min(x.lit((nodes - 2) as f64)).max(x.lit(0.0)).floor();
+fn place<T: Real>(x: T, last: Constant, before: Constant) -> (T, T) {
+    let at = x * x.constant(last);
+    let low = at.min(x.constant(before)).max(x.lit(0.0)).floor();
     (low, at - low)
 }
 
-/// The value on the way `by` between the pair at an index.
+/// The value between the four of an index, on the ways along θd and φd.
 #[inline(always)]
-fn between<T: Real>(index: T, by: T, pairs: &[u32]) -> T {
-    let (a, b) = T::fetch_pair(index, pairs);
-    (b - a).mul_add(by, a)
+fn across<T: Real>(index: T, (fd, fp): (T, T), quads: &[[u32; 2]]) -> T {
+    let [a, b, c, d] = T::fetch_quad(index, quads);
+    let (near, beside) = ((b - a).mul_add(fp, a), (d - c).mul_add(fp, c));
+    (beside - near).mul_add(fd, near)
+}
+
+/// Two neighbours, the first in the low half.
+fn pair(w: &[u16]) -> u32 {
+    u32::from(w[0]) | u32::from(w[1]) << 16
 }
 
 /// Keeps values for the life of the process: the ones that are there already, where they are the same.

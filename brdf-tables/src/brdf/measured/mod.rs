@@ -11,7 +11,7 @@ use super::{Outgoing, Profile, Value, Values, half_vector_width};
 use crate::real::Real;
 use core::f64::consts::{FRAC_1_PI, TAU};
 use core::fmt;
-use data::Data;
+use data::{Data, Lookup};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -72,7 +72,7 @@ impl Measured {
 
     /// What a shader takes: nodes, the logarithms that 0 and 65535 stand for, and pairs of neighbours.
     #[cfg(feature = "wgsl")]
-    pub(crate) fn numbers(&self) -> ([usize; 3], [f64; 2], &[u32]) {
+    pub(crate) fn numbers(&self) -> ([usize; 3], [f64; 2], Vec<u32>) {
         (self.lattice(), self.0.stored.range, self.0.pairs())
     }
 
@@ -141,14 +141,21 @@ impl Profile for Measured {
 
     #[inline(always)]
     fn visit_formula<V: FormulaVisitor>(&self, _: Option<&GrayPolynomial>, visitor: V) -> V::Output {
-        visitor.visit(self)
+        visitor.visit(&Lookup::new(self.0))
     }
 }
 
 impl Formula for Measured {
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
-        self.0.value(coordinates::unit(wi, wo))
+        Lookup::new(self.0).f(wi, wo)
+    }
+}
+
+impl Formula for Lookup<'_> {
+    #[inline(always)]
+    fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
+        self.value(coordinates::unit(wi, wo))
     }
 }
 
