@@ -60,6 +60,7 @@ fn settings() -> Settings {
         budget: Budget::Samples(1),
         seed: 0,
         indirect_only: false,
+        interpolation: Default::default(),
     }
 }
 

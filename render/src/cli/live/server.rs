@@ -80,6 +80,7 @@ impl Server {
             tokio::net::TcpListener::from_std(listener).context(FAILED)?.tap_io(|stream| drop(stream.set_nodelay(true)))
         };
         let (tell, done) = mpsc::channel();
+        let open = Arc::clone(&shared.newest);
         std::thread::Builder::new()
             .name("page".into())
             .spawn(move || {
@@ -91,6 +92,8 @@ impl Server {
                 if let Err(error) = served {
                     eprintln!("render: the page is not served any more: {error}");
                 }
+                // Sockets are served no longer than this runs: their farewells would be lost.
+                runtime.block_on(open.closed());
                 let _ = tell.send(());
             })
             .context(FAILED)?;

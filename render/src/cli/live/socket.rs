@@ -21,7 +21,7 @@ pub(super) async fn talk(mut socket: WebSocket, shared: Shared) {
     });
     let (mut newest, mut ended) = (shared.newest.subscribe(), shared.ended.clone());
     let why = tokio::select! {
-        () = converse(&mut socket, &shared) => None,
+        why = converse(&mut socket, &shared) => why,
         _ = newest.wait_for(|newest| *newest != number) => Some(REPLACED),
         _ = ended.wait_for(|ended| *ended) => Some(ENDED),
     };
@@ -35,13 +35,13 @@ pub(super) async fn talk(mut socket: WebSocket, shared: Shared) {
     }
 }
 
-/// Until the page is gone.
-async fn converse(socket: &mut WebSocket, shared: &Shared) {
+/// Until the page is gone, or nobody draws any more: then the page is told.
+async fn converse(socket: &mut WebSocket, shared: &Shared) -> Option<&'static str> {
     let (mut frames, mut answers) = (shared.hall.frames.clone(), shared.hall.answers.subscribe());
     frames.mark_changed();
     let mut shown = 0;
     if socket.send(Message::Text(shared.menu().into())).await.is_err() {
-        return;
+        return None;
     }
     loop {
         let sent = tokio::select! {
@@ -51,11 +51,11 @@ async fn converse(socket: &mut WebSocket, shared: &Shared) {
                     Err(message) => send(socket, json(&Answer::Error { message })).await,
                 },
                 // Gone, or no web socket any more: too much at once, or not text.
-                Some(Err(_)) | None => return,
+                Some(Err(_)) | None => return None,
             },
             changed = frames.changed() => {
                 if changed.is_err() {
-                    return;
+                    return Some(ENDED);
                 }
                 let newest = frames.borrow_and_update().clone();
                 show(socket, &newest, &mut shown).await
@@ -63,11 +63,11 @@ async fn converse(socket: &mut WebSocket, shared: &Shared) {
             answer = answers.recv() => match answer {
                 Ok(answer) => send(socket, answer).await,
                 Err(RecvError::Lagged(_)) => Ok(()),
-                Err(RecvError::Closed) => return,
+                Err(RecvError::Closed) => return Some(ENDED),
             },
         };
         if sent.is_err() {
-            return;
+            return None;
         }
     }
 }
