@@ -67,7 +67,8 @@ fn what_no_picture_needs_may_be_wrong() {
 #[test]
 fn extensions_that_are_not_applied_are_named_once() {
     let mut d = document();
-    d["extensionsUsed"] = json!(["KHR_materials_iridescence", "KHR_lights_punctual", "KHR_materials_iridescence", "EXT_x"]);
+    d["extensionsUsed"] =
+        json!(["KHR_materials_iridescence", "KHR_lights_punctual", "KHR_materials_iridescence", "EXT_x"]);
     let (_, warnings) = load(&d).unwrap();
     assert_eq!(
         warnings,
