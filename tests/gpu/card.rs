@@ -1,5 +1,6 @@
 //! Records summed on a graphics card, or on what stands in for one, against the processor.
 
+use super::present;
 use brdf_tables::family;
 use render::gpu::{self, Device, GpuError};
 use render::integrator::cached::policy::{Allowed, Policy};
@@ -55,11 +56,8 @@ fn pictures<const N: usize>(world: &World, allowed: Allowed, by: [Interpolation;
 /// every time.
 #[test]
 fn pictures_are_those_of_the_processor() {
-    match gpu::shared() {
-        Ok(device) => println!("{}", device.name()),
-        Err(GpuError::NoAdapter) => return eprintln!("skipped: {}", GpuError::NoAdapter),
-        Err(e) => panic!("{e}"),
-    }
+    let Some(device) = present(gpu::shared()) else { return };
+    println!("{}", device.name());
     let mut all = 0;
     for (scene, allowed) in [
         ("cornell-glossy.xml", Allowed::Eas),
@@ -103,10 +101,7 @@ fn pictures_are_those_of_the_processor() {
 /// What a card cannot do is an error of what is read next, not the end of the program.
 #[test]
 fn what_a_card_cannot_do_is_an_error() {
-    let device = match Device::open() {
-        Err(GpuError::NoAdapter) => return eprintln!("skipped: {}", GpuError::NoAdapter),
-        device => device.expect("an adapter that is there works"),
-    };
+    let Some(device) = present(Device::open()) else { return };
     let program = device.program(
         "@group(0) @binding(0) var<storage, read_write> out: array<u32>;
         @compute @workgroup_size(1) fn main() { out[0] = 7u; }",

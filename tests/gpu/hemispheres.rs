@@ -1,8 +1,9 @@
 //! Hemispheres rasterised onto a plane by a graphics card, or by what stands in for one, against those by rays.
 
+use super::present;
 use render::camera::RayGenerator;
 use render::color::luminance;
-use render::gpu::{self, GpuError};
+use render::gpu;
 use render::hemisphere::{Border, Plane};
 use render::integrator::plane::{PlaneError, Rasterizer, SurfaceLight, Viewpoint};
 use render::scene::{Rgb, load};
@@ -34,11 +35,8 @@ fn viewpoints(world: &World, count: u32) -> Vec<Viewpoint> {
 /// decide, and irradiances by no more than what such a cell weighs; what the card sums is what its cells add up to.
 #[test]
 fn cells_and_irradiances_are_those_of_rays() {
-    match gpu::shared() {
-        Ok(device) => println!("{}", device.name()),
-        Err(GpuError::NoAdapter) => return eprintln!("skipped: {}", GpuError::NoAdapter),
-        Err(e) => panic!("{e}"),
-    }
+    let Some(device) = present(gpu::shared()) else { return };
+    println!("{}", device.name());
     let mut lit = 0;
     for scene in [
         "scenes/cornell-diffuse.xml",

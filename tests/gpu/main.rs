@@ -6,3 +6,17 @@ mod card;
 mod hemispheres;
 /// Look-ups of tables.
 mod shaders;
+
+use render::gpu::GpuError;
+
+/// The card, or `None` with a message where there is none.
+fn present<D>(found: Result<D, GpuError>) -> Option<D> {
+    match found {
+        Ok(device) => Some(device),
+        Err(GpuError::NoAdapter) => {
+            eprintln!("skipped: {}", GpuError::NoAdapter);
+            None
+        }
+        Err(e) => panic!("{e}"),
+    }
+}

@@ -1,5 +1,6 @@
 //! Tables in shaders: the text is WGSL, and what it computes is what the library says.
 
+use super::present;
 use brdf_tables::brdf::{Distribution, Fresnel, Microfacet, Phong, Specular};
 use brdf_tables::wgsl::{Buffer, Tables, source};
 use brdf_tables::{Cap, Material, Table, family};
@@ -10,7 +11,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
-use render::gpu::{Device, GpuError};
+use render::gpu::Device;
 
 fn check(text: &str) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
@@ -28,18 +29,6 @@ fn source_is_valid() {
     check(&format!("{}\n{out}\n{entry}", source(&Buffer::Bound { group: 1, binding: 6 })));
     let own = "@group(1) @binding(6) var<storage, read> tables: array<u32>;";
     check(&format!("{}\n{own}\n{out}\n{entry}", source(&Buffer::Named("tables"))));
-}
-
-/// The card, or `None` with a message where there is none.
-fn device() -> Option<Device> {
-    match Device::open() {
-        Ok(device) => Some(device),
-        Err(GpuError::NoAdapter) => {
-            eprintln!("skipped: {}", GpuError::NoAdapter);
-            None
-        }
-        Err(e) => panic!("{e}"),
-    }
 }
 
 const LOOK_UP: &str = "
@@ -127,7 +116,7 @@ fn tables() -> Vec<(String, Table)> {
 #[test]
 fn shaders_look_up_what_the_library_does() {
     const QUERIES: usize = 100_000;
-    let Some(device) = device() else { return };
+    let Some(device) = present(Device::open()) else { return };
     println!("{}", device.name());
     let mut buffer = Tables::new();
     let tables: Vec<(String, Table, u32)> = tables()

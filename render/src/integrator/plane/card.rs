@@ -13,8 +13,8 @@ const SQUARES: u32 = 8;
 /// Threads that sum a square: a power of two.
 const THREADS: u32 = 64;
 
-const DRAW: &str = include_str!("draw.wgsl");
-const SUM: &str = include_str!("sum.wgsl");
+const DRAW: &str = concat!(include_str!("settings.wgsl"), include_str!("draw.wgsl"));
+const SUM: &str = concat!(include_str!("settings.wgsl"), include_str!("sum.wgsl"));
 
 /// A scene on a graphics card, ready to be drawn from many points.
 pub struct Rasterizer {

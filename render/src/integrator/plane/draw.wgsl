@@ -21,18 +21,6 @@ struct Viewpoint {
     z: vec3f,
 }
 
-struct Settings {
-    // Pixels along an edge of the square, and squares along a row of the canvas.
-    side: u32,
-    columns: u32,
-    // Numbers of a row of the canvas.
-    pitch: u32,
-    // Height of the square over half of its width.
-    height: f32,
-    // Length that depths are told in.
-    scale: f32,
-}
-
 @group(0) @binding(0) var<storage, read> settings: Settings;
 @group(0) @binding(1) var<storage, read> viewpoints: array<Viewpoint>;
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;

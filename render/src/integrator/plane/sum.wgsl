@@ -1,13 +1,5 @@
 // The irradiance of each square: the light of its pieces, weighted.
 
-struct Settings {
-    side: u32,
-    columns: u32,
-    pitch: u32,
-    height: f32,
-    scale: f32,
-}
-
 @group(0) @binding(0) var<storage, read> settings: Settings;
 @group(0) @binding(1) var<storage, read> pixels: array<u32>;
 // Three numbers of each piece.
