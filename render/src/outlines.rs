@@ -114,41 +114,54 @@ impl<'a> Eye<'a> {
 /// Takes what pixels at outlines show from more camera rays than the samples of a picture of this camera that was rendered with this
 /// seed. `indirect_only`: light that is scattered less than twice was left out of the picture.
 pub fn refine(from: (&World, &Camera), picture: &mut Picture, (seed, indirect_only): (u64, bool), of: Of) {
-    let (width, height, spp) = (picture.width as usize, picture.height as usize, picture.spp);
-    let seen: Vec<Seen> = picture.pixels.iter().map(|p| Seen::new(&p.sum(), spp as f32)).collect();
-    let rays = |i: usize| {
-        let (x, y) = (i % width, i / width);
-        let (columns, rows) =
-            (x.saturating_sub(1)..=(x + 1).min(width - 1), y.saturating_sub(1)..=(y + 1).min(height - 1));
-        let neighbours = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
-        neighbours.map(|j| seen[i].rays(&seen[j], of)).max().unwrap_or(0)
-    };
-    let outline: Vec<(usize, u32)> =
-        (0..width * height).into_par_iter().map(|i| (i, rays(i))).filter(|(_, rays)| *rays > spp).collect();
+    let (width, spp) = (picture.width as usize, picture.spp);
+    let rays = rays(picture, of);
     let eye = Eye::new(from, seed, indirect_only);
     let [left, top] = picture.corner;
-    let refined: Vec<(Radiance, Counts)> = outline
-        .par_iter()
-        .map(|&(i, rays)| {
+    let counts: Counts = picture
+        .pixels
+        .par_iter_mut()
+        .zip(rays)
+        .enumerate()
+        .filter(|(_, (_, rays))| *rays > spp)
+        .map(|(i, (pixel, rays))| {
             let mut queries = Queries::default();
             let at = (left + (i % width) as u32, top + (i / width) as u32);
-            (eye.look(at, spp..rays, &mut queries), queries.counts)
+            let more = eye.look(at, spp..rays, &mut queries);
+            let (mut sum, share) = (pixel.sum(), spp as f32 / rays as f32);
+            if of.emission {
+                sum.emission = (sum.emission + more.emission) * share;
+            }
+            sum.albedo = (sum.albedo + more.albedo) * share;
+            sum.normal = (sum.normal + more.normal) * share;
+            pixel.set_sum(&sum);
+            queries.counts
         })
-        .collect();
-    for ((i, rays), (more, counts)) in outline.into_iter().zip(refined) {
-        let mut sum = picture.pixels[i].sum();
-        let share = spp as f32 / rays as f32;
-        if of.emission {
-            sum.emission = (sum.emission + more.emission) * share;
-        }
-        sum.albedo = (sum.albedo + more.albedo) * share;
-        sum.normal = (sum.normal + more.normal) * share;
-        picture.pixels[i].set_sum(&sum);
-        picture.counts += counts;
-    }
+        .sum();
+    picture.counts += counts;
     if of.guides {
         picture.outline_rays = GUIDE_RAYS;
     }
+}
+
+/// Camera rays that each pixel takes for the sake of its neighbours.
+fn rays(picture: &Picture, of: Of) -> Vec<u32> {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let row = |y: usize| -> Vec<Seen> {
+        let pixels = &picture.pixels[y * width..(y + 1) * width];
+        pixels.iter().map(|p| Seen::new(&p.sum(), picture.spp as f32)).collect()
+    };
+    (0..height)
+        .into_par_iter()
+        .flat_map_iter(|y| {
+            let rows: Vec<_> = (y.saturating_sub(1)..=(y + 1).min(height - 1)).map(row).collect();
+            (0..width).map(move |x| {
+                let (here, columns) = (rows[y.min(1)][x], x.saturating_sub(1)..=(x + 1).min(width - 1));
+                let neighbours = rows.iter().flat_map(|row| &row[columns.clone()]);
+                neighbours.map(|other| here.rays(other, of)).max().unwrap_or(0)
+            })
+        })
+        .collect()
 }
 
 /// Side of the blocks of pixels that [`seconds`] looks at, and how many of them there are along each side of the film, at most.

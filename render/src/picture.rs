@@ -1,6 +1,7 @@
 //! What a rendering is while it is made: light by the way it took, sums of a pixel, a picture of them, and when it is done.
 
 use crate::bsdf::Split;
+use crate::denoise;
 use crate::memory;
 use crate::scene::{Camera, Crop, Rgb};
 use crate::world::{Counts, Queries};
@@ -197,8 +198,9 @@ const FILE_BYTES: u64 = 24;
 /// Bytes of the surfaces that a cached rendering keeps of a pixel, about: a lens shows more of them.
 const SURFACE_BYTES: [u64; 2] = [1024, 3072];
 
-/// Bytes of the layers of a pixel while it is denoised, and what comes of them.
-const DENOISE_BYTES: u64 = 200;
+/// Bytes of a pixel without noise, and of what denoising a strip takes for each pixel that it sees.
+const DENOISED_BYTES: u64 = 12;
+const DENOISING_BYTES: u64 = 200;
 
 /// Refuses a film for which there is not enough memory, with the surfaces of so many pixels kept at once, with a lens and with a
 /// denoiser or without.
@@ -206,10 +208,14 @@ const DENOISE_BYTES: u64 = 200;
 /// # Errors
 /// One line with what it needs and what there is.
 pub fn require_memory(camera: &Camera, kept: u64, lens: bool, denoised: bool) -> Result<(), String> {
-    let Crop { width, height, .. } = camera.film.window();
-    let pixel = size_of::<Pixel>() as u64 + FILE_BYTES + if denoised { DENOISE_BYTES } else { 0 };
+    let window = camera.film.window();
+    let Crop { width, height, .. } = window;
+    let pixels = u64::from(width) * u64::from(height);
+    let pixel = size_of::<Pixel>() as u64 + FILE_BYTES + if denoised { DENOISED_BYTES } else { 0 };
     let surfaces = kept.saturating_mul(SURFACE_BYTES[usize::from(lens)]);
-    let need = (u64::from(width) * u64::from(height)).saturating_mul(pixel).saturating_add(surfaces);
+    let denoising = if denoised { DENOISING_BYTES * denoise::seen(window) } else { 0 };
+    // The surfaces are gone before the denoiser begins.
+    let need = pixels.saturating_mul(pixel).saturating_add(surfaces.max(denoising));
     memory::require(&format!("a film of {width} × {height} pixels"), need)
         .map_err(|what| format!("{what}; choose a smaller one with --width, or a part of it with --crop"))
 }

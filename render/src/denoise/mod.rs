@@ -9,17 +9,24 @@ mod builtin;
 mod error;
 mod fireflies;
 mod layers;
+mod level;
 #[cfg(feature = "oidn")]
 pub mod oidn;
 mod plan;
+mod strips;
 
 use crate::picture::Picture;
 pub use error::DenoiseError;
 pub use fireflies::Bounded;
+use fireflies::Loss;
 use layers::Layers;
+use level::Level;
 use plan::{EFFORTS, Rate};
 pub use plan::{Effort, Plan};
+use rayon::prelude::*;
 use std::path::Path;
+use strips::Strip;
+pub use strips::seen;
 
 /// Which denoiser to take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,12 +109,27 @@ impl Denoiser {
     /// # Errors
     /// A library that fails; the picture is as it was.
     pub fn denoise(&self, picture: &mut Picture, effort: Effort) -> Result<Bounded, DenoiseError> {
+        self.denoise_strips(picture, effort, strips::PIXELS)
+    }
+
+    /// The same in strips of about so many pixels.
+    fn denoise_strips(&self, picture: &mut Picture, effort: Effort, pixels: usize) -> Result<Bounded, DenoiseError> {
         let effort = if self.is_builtin() { Effort::Low } else { effort };
-        let mut layers = Layers::new(picture, effort == Effort::Together);
-        let bounded = fireflies::bound(&mut layers);
-        let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;
-        picture.denoised = Some(layers.merge(picture, &light));
-        Ok(bounded)
+        // Two kinds of noise are taken away better apart, and noise better in the midst of light that has none.
+        let together = effort == Effort::Together || picture.from_records;
+        let strips = Strip::of([picture.width as usize, picture.height as usize], pixels);
+        let level = |kind: Option<layers::Kind>| kind.filter(|_| strips.len() > 1).map(|k| Level::of(picture, k));
+        let levels = layers::Kind::of(together).map(level);
+        let mut denoised = Vec::with_capacity(picture.pixels.len());
+        let mut loss = Loss::default();
+        for strip in strips {
+            let mut layers = Layers::new(picture, &strip, levels, together);
+            loss += fireflies::bound(&mut layers, strip.inner());
+            let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;
+            denoised.par_extend(layers.merge(picture, &strip, &light));
+        }
+        picture.denoised = Some(denoised);
+        Ok(loss.into())
     }
 
     /// Whether it is our own.

@@ -13,8 +13,7 @@ pub mod view;
 #[cfg(feature = "formats")]
 mod write;
 
-use crate::picture::{Picture, Pixel};
-use crate::scene::Rgb;
+use crate::picture::Picture;
 
 #[cfg(feature = "formats")]
 pub use layers::Part;
@@ -44,14 +43,9 @@ pub struct Image {
 impl Picture {
     /// The whole light, as a picture: without its noise where that has been taken away.
     pub fn image(&self) -> Image {
-        let pixels = self.denoised.clone().unwrap_or_else(|| self.mean(|p| p.sum().sum()));
-        Image { width: self.width, height: self.height, pixels }
-    }
-
-    /// Mean over the samples of a sum that pixels hold.
-    pub(crate) fn mean(&self, of: impl Fn(&Pixel) -> Rgb) -> Vec<[f32; 3]> {
         let scale = 1.0 / self.spp.max(1) as f32;
-        self.pixels.iter().map(|p| (of(p) * scale).to_array()).collect()
+        let noisy = || self.pixels.iter().map(|p| (p.sum().sum() * scale).to_array()).collect();
+        Image { width: self.width, height: self.height, pixels: self.denoised.clone().unwrap_or_else(noisy) }
     }
 }
 

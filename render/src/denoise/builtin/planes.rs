@@ -100,8 +100,8 @@ impl Light {
             };
             Plane::new(size, |i| values[i])
         };
-        let sum: f64 = layer.mean.iter().flatten().map(|x| f64::from(*x)).sum();
-        let mean = sum / (3.0 * layer.mean.len() as f64);
+        let own = || layer.mean.iter().flatten().map(|x| f64::from(*x)).sum::<f64>() / (3.0 * layer.mean.len() as f64);
+        let mean = layer.level.map_or_else(own, |level| f64::from(level.mean));
         let least = ((LEAST * mean * mean) as f32).max(f32::MIN_POSITIVE);
         Self { halves: [half(a), half(b)], variance: [0, 1, 2].map(variance), least }
     }

@@ -55,6 +55,7 @@ functions! {
     execute_filter: b"oidnExecuteFilter\0", fn(*mut c_void);
     set_filter_bool: b"oidnSetFilterBool\0", fn(*mut c_void, *const c_char, bool);
     set_filter_int: b"oidnSetFilterInt\0", fn(*mut c_void, *const c_char, c_int);
+    set_filter_float: b"oidnSetFilterFloat\0", fn(*mut c_void, *const c_char, f32);
     set_image: b"oidnSetSharedFilterImage\0",
         fn(*mut c_void, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize);
 }

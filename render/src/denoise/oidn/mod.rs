@@ -46,6 +46,8 @@ struct Options {
     /// Whether albedo and normals have no noise.
     clean_guides: bool,
     quality: i32,
+    /// What colours are scaled by for the network; `None`: by what they are.
+    exposure: Option<f32>,
 }
 
 impl Device {
@@ -95,7 +97,8 @@ impl Device {
         let layer = |color: &Option<super::layers::Layer>| {
             let Some(color) = color else { return Ok(None) };
             let inputs: &Inputs = &[(c"color", &color.mean), (c"albedo", albedo), (c"normal", normal)];
-            self.filter(inputs, size, Options { hdr: true, clean_guides, quality }).map(Some)
+            let exposure = color.level.map(|level| level.exposure);
+            self.filter(inputs, size, Options { hdr: true, clean_guides, quality, exposure }).map(Some)
         };
         Ok([layer(&layers.direct)?, layer(&layers.indirect)?])
     }
@@ -103,7 +106,7 @@ impl Device {
     /// Runs one filter; negative and broken numbers of its output become black.
     fn filter(&self, inputs: &Inputs, [width, height]: [usize; 2], o: Options) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let device = self.device.lock().unwrap_or_else(PoisonError::into_inner);
-        let Functions { set_image, set_filter_bool, set_filter_int, .. } = self.functions;
+        let Functions { set_image, set_filter_bool, set_filter_int, set_filter_float, .. } = self.functions;
         let mut out = vec![[0f32; 3]; width * height];
         // SAFETY: the images are `width · height` times three floats without gaps, which the library reads (the output: writes)
         // during `execute` only; the filter is released before they are gone. Names end with 0.
@@ -121,6 +124,9 @@ impl Device {
                 set_filter_bool(filter, c"hdr".as_ptr(), o.hdr);
                 set_filter_bool(filter, c"cleanAux".as_ptr(), o.clean_guides);
                 set_filter_int(filter, c"quality".as_ptr(), o.quality);
+                if let Some(exposure) = o.exposure {
+                    set_filter_float(filter, c"inputScale".as_ptr(), exposure);
+                }
                 set_filter_int(filter, c"maxMemoryMB".as_ptr(), MEMORY);
                 (self.functions.commit_filter)(filter);
                 (self.functions.execute_filter)(filter);

@@ -66,11 +66,9 @@ pub(super) struct Passes<'a> {
 }
 
 impl<'a> Passes<'a> {
-    /// A black picture of the camera of the world.
+    /// A picture of the camera of the world, whose sums take no memory before it is run.
     pub fn new(shader: &'a Shader<'a>, settings: &'a Settings) -> Self {
-        let camera = &shader.world.scene.camera;
-        let sums = Sums { counts: shader.caches.counts, ..Sums::of(camera.film.window()) };
-        Self::with(shader, settings, camera, sums, None)
+        Self::with(shader, settings, &shader.world.scene.camera, Sums::default(), None)
     }
 
     /// One that goes on with sums of the camera that the shader has, until it is asked to leave off.
@@ -109,29 +107,30 @@ impl<'a> Passes<'a> {
 
     /// Renders within the budget, which began at `start`; where it is samples, strips of so many pixels.
     pub fn run(mut self, start: Instant, strip: usize, progress: &(dyn Fn(f64) + Sync)) -> (Picture, Shading) {
-        match self.settings.budget {
-            Budget::Samples(n) => return self.strips(n, strip, progress),
-            Budget::Time(limit) => {
-                let mut pace = Pace::new(start + limit);
-                loop {
-                    let pass = pace.next();
-                    if pass == 0 {
-                        break;
-                    }
-                    let passing = Instant::now();
-                    self.direct(pass);
-                    let (direct, trial) = (passing.elapsed(), Instant::now());
-                    self.try_indirect();
-                    pace.note(pass, direct, trial.elapsed());
+        if let Budget::Samples(n) = self.settings.budget {
+            return self.strips(n, strip, progress);
+        }
+        self.sums.clear(self.window);
+        // A cached picture does not know its error.
+        if let Budget::Time(limit) = self.settings.budget {
+            let mut pace = Pace::new(start + limit);
+            loop {
+                let pass = pace.next();
+                if pass == 0 {
+                    break;
                 }
+                let passing = Instant::now();
+                self.direct(pass);
+                let (direct, trial) = (passing.elapsed(), Instant::now());
+                self.try_indirect();
+                pace.note(pass, direct, trial.elapsed());
             }
-            // A cached picture does not know its error.
-            Budget::Error(_) => (),
         }
         let reading = Instant::now();
         let negative_pixels = self.indirect(&|x| progress(DIRECT_SHARE + (1.0 - DIRECT_SHARE) * x));
         let card_failed = self.card_failed.load(Ordering::Relaxed);
-        let Self { window, sums: Sums { pixels, spp, counts, .. }, .. } = self;
+        let Self { window, shader, sums: Sums { pixels, spp, counts, .. }, .. } = self;
+        let counts = [shader.caches.counts, counts].into_iter().sum();
         let picture = Picture::of(window, pixels, spp, counts, true);
         (picture, Shading { negative_pixels, indirect: reading.elapsed(), card_failed })
     }
@@ -141,7 +140,7 @@ impl<'a> Passes<'a> {
         let window = self.window;
         let (rows, height) = (strip_rows(window.width, strip), f64::from(window.height));
         let mut pixels = Vec::with_capacity(window.width as usize * window.height as usize);
-        let (mut counts, mut shading) = (self.sums.counts, Shading::default());
+        let (mut counts, mut shading) = (self.shader.caches.counts, Shading::default());
         for top in (0..window.height).step_by(rows as usize) {
             let strip = Crop { y: window.y + top, height: rows.min(window.height - top), ..window };
             let progress = |x: f64| progress((f64::from(top) + x * f64::from(strip.height)) / height);

@@ -39,13 +39,6 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// None yet, of so many pixels.
-    pub(super) fn of(window: Crop) -> Self {
-        let mut sums = Self::default();
-        sums.clear(window);
-        sums
-    }
-
     /// Begins anew for a picture of this size, in the same memory.
     pub fn clear(&mut self, window: Crop) {
         let count = window.width as usize * window.height as usize;
