@@ -3,6 +3,7 @@
 use super::job::Job;
 use super::stats::Stats;
 use anyhow::{Result, bail};
+use kit::with_progress;
 use render::denoise::{Choice, Denoiser, Effort};
 use render::outlines::{self, GUIDES};
 use render::picture::Picture;
@@ -81,7 +82,7 @@ pub(super) fn apply(
 ) -> Result<()> {
     let start = Instant::now();
     outlines::refine((&job.world, &job.world.scene.camera), picture, (job.seed, job.indirect_only), GUIDES);
-    let bounded = denoiser.denoise(picture, effort)?;
+    let bounded = with_progress("denoise", |progress| denoiser.denoise_telling(picture, effort, progress))?;
     let seconds = start.elapsed().as_secs_f64();
     stats.denoised(denoiser.name(), seconds, bounded);
     let why = denoiser.note().map(|note| format!(" ({note})")).unwrap_or_default();

@@ -19,7 +19,7 @@ use crate::picture::Picture;
 pub use error::DenoiseError;
 pub use fireflies::Bounded;
 use fireflies::Loss;
-use layers::Layers;
+use layers::{Layer, Layers};
 use level::Level;
 use plan::{EFFORTS, Rate};
 pub use plan::{Effort, Plan};
@@ -98,7 +98,8 @@ impl Denoiser {
         // Our own has one way only.
         let efforts = if self.is_builtin() { &[Effort::Low][..] } else { &EFFORTS };
         let size = (pixels, plan::layers(from_records));
-        self.rate.plan(efforts, size, seconds, |side| self.run(&Layers::example(side), Effort::Low).map(drop))
+        let trial = |side| self.run(&Layers::example(side), Effort::Low, &|_| ()).map(drop);
+        self.rate.plan(efforts, size, seconds, trial)
     }
 
     /// Takes the noise out of a picture: sets [`Picture::denoised`]. The noisy light stays as it is. Tells how much of it the
@@ -109,11 +110,30 @@ impl Denoiser {
     /// # Errors
     /// A library that fails; the picture is as it was.
     pub fn denoise(&self, picture: &mut Picture, effort: Effort) -> Result<Bounded, DenoiseError> {
-        self.denoise_strips(picture, effort, strips::PIXELS)
+        self.denoise_telling(picture, effort, &|_| ())
+    }
+
+    /// [`Denoiser::denoise`], which tells the share of the work that is done.
+    ///
+    /// # Errors
+    /// A library that fails; the picture is as it was.
+    pub fn denoise_telling(
+        &self,
+        picture: &mut Picture,
+        effort: Effort,
+        progress: Progress,
+    ) -> Result<Bounded, DenoiseError> {
+        self.denoise_strips(picture, effort, strips::PIXELS, progress)
     }
 
     /// The same in strips of about so many pixels.
-    fn denoise_strips(&self, picture: &mut Picture, effort: Effort, pixels: usize) -> Result<Bounded, DenoiseError> {
+    fn denoise_strips(
+        &self,
+        picture: &mut Picture,
+        effort: Effort,
+        pixels: usize,
+        progress: Progress,
+    ) -> Result<Bounded, DenoiseError> {
         let effort = if self.is_builtin() { Effort::Low } else { effort };
         // Two kinds of noise are taken away better apart, and noise better in the midst of light that has none.
         let together = effort == Effort::Together || picture.from_records;
@@ -122,10 +142,12 @@ impl Denoiser {
         let levels = layers::Kind::of(together).map(level);
         let mut denoised = Vec::with_capacity(picture.pixels.len());
         let mut loss = Loss::default();
-        for strip in strips {
+        let count = strips.len() as f64;
+        for (i, strip) in strips.into_iter().enumerate() {
+            let progress = |share: f64| progress((i as f64 + share) / count);
             let mut layers = Layers::new(picture, &strip, levels, together);
             loss += fireflies::bound(&mut layers, strip.inner());
-            let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort))?;
+            let light = self.rate.timed(layers.size(), effort, || self.run(&layers, effort, &progress))?;
             denoised.par_extend(layers.merge(picture, &strip, &light));
         }
         picture.denoised = Some(denoised);
@@ -139,14 +161,25 @@ impl Denoiser {
 
     /// Direct and indirect light without noise; `None` where a layer is black.
     #[cfg_attr(not(feature = "oidn"), expect(unused_variables, reason = "our own has one effort"))]
-    fn run(&self, layers: &Layers, effort: Effort) -> Result<[Option<Vec<[f32; 3]>>; 2], DenoiseError> {
-        match &self.kind {
-            #[cfg(feature = "oidn")]
-            Kind::Oidn(device) => device.denoise(layers, effort),
-            Kind::Builtin => Ok(builtin::denoise(layers)),
-        }
+    fn run(&self, layers: &Layers, effort: Effort, progress: Progress) -> Result<[Denoised; 2], DenoiseError> {
+        let each = |i: usize, layer: &Option<Layer>| {
+            let share = |share: f64| progress(0.5 * (i as f64 + share));
+            let Some(layer) = layer else { return Ok(None) };
+            match &self.kind {
+                #[cfg(feature = "oidn")]
+                Kind::Oidn(device) => device.denoise(layers, layer, effort, &share).map(Some),
+                Kind::Builtin => Ok(Some(builtin::denoise(layers, layer, &share))),
+            }
+        };
+        Ok([each(0, &layers.direct)?, each(1, &layers.indirect)?])
     }
 }
+
+/// Light without noise, by pixel; `None` where there is none at all.
+type Denoised = Option<Vec<[f32; 3]>>;
+
+/// Is told the share of the work that is done.
+type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 
 #[cfg(feature = "oidn")]
 fn oidn_kind(library: Option<&Path>, threads: usize) -> Result<Kind, DenoiseError> {

@@ -64,6 +64,7 @@ mod tests {
     use crate::picture::Radiance;
     use crate::scene::Rgb;
     use crate::world::Counts;
+    use std::sync::Mutex;
 
     /// Noisy tiles of several albedos and brightnesses, brighter towards the bottom.
     fn tiles() -> Picture {
@@ -89,8 +90,12 @@ mod tests {
     /// Largest difference of a pixel between denoising in one piece and in strips.
     fn difference(denoiser: &Denoiser) -> f32 {
         let [mut whole, mut strips] = [tiles(), tiles()];
-        denoiser.denoise_strips(&mut whole, Effort::Low, usize::MAX).unwrap();
-        denoiser.denoise_strips(&mut strips, Effort::Low, 96 * 200).unwrap();
+        denoiser.denoise_strips(&mut whole, Effort::Low, usize::MAX, &|_| ()).unwrap();
+        let told = Mutex::new(Vec::new());
+        denoiser.denoise_strips(&mut strips, Effort::Low, 96 * 200, &|share| told.lock().unwrap().push(share)).unwrap();
+        let told = told.into_inner().unwrap();
+        assert!(told.len() > 4 && told.iter().all(|share| (0.0..=1.0).contains(share)), "{told:?}");
+        assert!(told.iter().copied().fold(0.0, f64::max) == 1.0, "{told:?}");
         let [whole, strips] = [whole, strips].map(|p| p.denoised.unwrap());
         assert_eq!(whole.len(), strips.len());
         whole.iter().flatten().zip(strips.iter().flatten()).map(|(a, b)| (a - b).abs() / a).fold(0.0, f32::max)

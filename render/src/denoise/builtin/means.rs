@@ -1,9 +1,11 @@
 //! Means over the pixels around that look alike, in tiles that fit into the cache of a core.
 
+use super::super::Progress;
 use super::planes::{Guides, Light, PATCH, Plane, REACH, Size};
 use crate::simd::widest;
 use fearless_simd::Level;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Largest size of a tile.
 const TILE: Size = Size { width: 64, height: 16 };
@@ -54,10 +56,10 @@ impl Sums {
 }
 
 /// Filters a layer in every way.
-pub(super) fn candidates(guides: &Guides, light: &Light) -> Candidates {
+pub(super) fn candidates(guides: &Guides, light: &Light, progress: Progress) -> Candidates {
     let Size { width, height } = guides.size;
     let mut pixels = vec![[Candidate::default(); COUNT]; width * height];
-    let level = Level::new();
+    let (level, done) = (Level::new(), AtomicUsize::new(0));
     pixels.par_chunks_mut(width * TILE.height).enumerate().for_each(|(band, rows)| {
         let mut work = Box::new(Work::new());
         for x in (0..width).step_by(TILE.width) {
@@ -70,6 +72,8 @@ pub(super) fn candidates(guides: &Guides, light: &Light) -> Candidates {
             );
             work.finish(light, at, size, |column, row, candidates| rows[row * width + x + column] = candidates);
         }
+        let rows = rows.len() / width;
+        progress((done.fetch_add(rows, Ordering::Relaxed) + rows) as f64 / height as f64);
     });
     Candidates(pixels)
 }

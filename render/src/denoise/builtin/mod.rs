@@ -10,19 +10,16 @@ mod means;
 mod planes;
 mod select;
 
+use super::Progress;
 use super::layers::{Layer, Layers};
 use planes::{Guides, Light};
 
-/// Direct and indirect light without noise; `None` where a layer is black.
-pub(super) fn denoise(layers: &Layers) -> [Option<Vec<[f32; 3]>>; 2] {
+/// A layer without noise.
+pub(super) fn denoise(layers: &Layers, layer: &Layer, progress: Progress) -> Vec<[f32; 3]> {
     let guides = Guides::new(layers);
-    [&layers.direct, &layers.indirect].map(|layer| layer.as_ref().map(|layer| filter(&guides, layer)))
-}
-
-fn filter(guides: &Guides, layer: &Layer) -> Vec<[f32; 3]> {
     let size = guides.size;
     let light = Light::new(size, layer);
-    let candidates = means::candidates(guides, &light);
+    let candidates = means::candidates(&guides, &light, progress);
     // One sample has no halves to tell the error by.
     let pixels = if layer.halves.is_some() { select::best(size, &candidates) } else { candidates.middle() };
     pixels.into_iter().map(|p| p.map(|x| x.max(0.0))).collect()

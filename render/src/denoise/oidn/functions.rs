@@ -11,6 +11,9 @@ pub(super) struct Handle(pub *mut c_void);
 // SAFETY: the library may be called from any thread, by its manual.
 unsafe impl Send for Handle {}
 
+/// Is told the share of the work that is done; `false` would end it.
+pub(super) type Monitor = extern "C" fn(*mut c_void, f64) -> bool;
+
 macro_rules! functions {
     ($($field:ident: $symbol:literal, fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// Functions of the library, which stays loaded.
@@ -56,6 +59,7 @@ functions! {
     set_filter_bool: b"oidnSetFilterBool\0", fn(*mut c_void, *const c_char, bool);
     set_filter_int: b"oidnSetFilterInt\0", fn(*mut c_void, *const c_char, c_int);
     set_filter_float: b"oidnSetFilterFloat\0", fn(*mut c_void, *const c_char, f32);
+    set_monitor: b"oidnSetFilterProgressMonitorFunction\0", fn(*mut c_void, Monitor, *mut c_void);
     set_image: b"oidnSetSharedFilterImage\0",
         fn(*mut c_void, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize);
 }

@@ -3,10 +3,10 @@
 mod find;
 mod functions;
 
-use super::layers::Layers;
-use super::{DenoiseError, Effort};
+use super::layers::{Layer, Layers};
+use super::{DenoiseError, Effort, Progress};
 use functions::{Functions, Handle};
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, c_char, c_void};
 use std::path::Path;
 use std::ptr;
 use std::sync::{Mutex, PoisonError};
@@ -81,35 +81,43 @@ impl Device {
         }
     }
 
-    /// Direct and indirect light without noise; `None` where a layer is black.
+    /// A layer without noise.
     ///
     /// # Errors
     /// What the library says.
-    pub(super) fn denoise(&self, layers: &Layers, effort: Effort) -> Result<[Option<Vec<[f32; 3]>>; 2], DenoiseError> {
-        let size = [layers.width, layers.height];
+    pub(super) fn denoise(
+        &self,
+        layers: &Layers,
+        layer: &Layer,
+        effort: Effort,
+        progress: Progress,
+    ) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let (clean_guides, quality) = match effort {
             Effort::Least | Effort::Together if self.version >= WITH_FAST => (layers.clean_guides, QUALITY_FAST),
             Effort::Least | Effort::Together | Effort::Low => (layers.clean_guides, QUALITY_BALANCED),
             // The larger network of OIDN is the one for clean guides at high quality.
             Effort::High => (true, QUALITY_HIGH),
         };
-        let (albedo, normal) = (&layers.albedo, &layers.normal);
-        let layer = |color: &Option<super::layers::Layer>| {
-            let Some(color) = color else { return Ok(None) };
-            let inputs: &Inputs = &[(c"color", &color.mean), (c"albedo", albedo), (c"normal", normal)];
-            let exposure = color.level.map(|level| level.exposure);
-            self.filter(inputs, size, Options { hdr: true, clean_guides, quality, exposure }).map(Some)
-        };
-        Ok([layer(&layers.direct)?, layer(&layers.indirect)?])
+        let inputs: &Inputs = &[(c"color", &layer.mean), (c"albedo", &layers.albedo), (c"normal", &layers.normal)];
+        let exposure = layer.level.map(|level| level.exposure);
+        let options = Options { hdr: true, clean_guides, quality, exposure };
+        self.filter(inputs, [layers.width, layers.height], options, progress)
     }
 
     /// Runs one filter; negative and broken numbers of its output become black.
-    fn filter(&self, inputs: &Inputs, [width, height]: [usize; 2], o: Options) -> Result<Vec<[f32; 3]>, DenoiseError> {
+    fn filter(
+        &self,
+        inputs: &Inputs,
+        [width, height]: [usize; 2],
+        o: Options,
+        progress: Progress,
+    ) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let device = self.device.lock().unwrap_or_else(PoisonError::into_inner);
-        let Functions { set_image, set_filter_bool, set_filter_int, set_filter_float, .. } = self.functions;
+        let Functions { set_image, set_filter_bool, set_filter_int, set_filter_float, set_monitor, .. } =
+            self.functions;
         let mut out = vec![[0f32; 3]; width * height];
         // SAFETY: the images are `width · height` times three floats without gaps, which the library reads (the output: writes)
-        // during `execute` only; the filter is released before they are gone. Names end with 0.
+        // during `execute` only, as it calls `monitor`; the filter is released before they and `progress` are gone. Names end with 0.
         let error = unsafe {
             let filter = (self.functions.new_filter)(device.0, c"RT".as_ptr());
             let image = |name: *const c_char, data: *mut f32| {
@@ -128,6 +136,7 @@ impl Device {
                     set_filter_float(filter, c"inputScale".as_ptr(), exposure);
                 }
                 set_filter_int(filter, c"maxMemoryMB".as_ptr(), MEMORY);
+                set_monitor(filter, monitor, (&raw const progress).cast_mut().cast());
                 (self.functions.commit_filter)(filter);
                 (self.functions.execute_filter)(filter);
                 (self.functions.release_filter)(filter);
@@ -139,6 +148,14 @@ impl Device {
             None => Ok(out),
         }
     }
+}
+
+/// Passes on what the library tells of its work.
+extern "C" fn monitor(progress: *mut c_void, share: f64) -> bool {
+    // SAFETY: `filter` gives the address of one, which stands until the filter is released.
+    let progress = unsafe { &*progress.cast::<Progress>() };
+    progress(share);
+    true
 }
 
 impl Drop for Device {
