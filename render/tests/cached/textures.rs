@@ -66,7 +66,7 @@ fn a_texture_may_give_the_exponent() {
             "floor-material: cached (lobe 0.014 to 0.100 rad, from a texture), path traced where it is sharper",
         ),
     ] {
-        let mut scene = world("floor-n100.xml", &[("width", "64"), ("height", "64")]).scene;
+        let mut scene = world("floor-n100.xml", &[("width", "48"), ("height", "48")]).scene;
         let given = noise(&mut scene, range[0], range[1], Affine2::from_scale(Vec2::splat(3.0)));
         let glossy = scene.materials.iter_mut().filter_map(|m| match m {
             Material::Phong { exponent, .. } => Some(exponent),
