@@ -7,21 +7,19 @@ use crate::material::Material;
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
-/// The lattice that values are taken at: √θh in halves of the bins of MERL, θd to a degree, φd to five. Coarser ones are chosen
-/// among its divisions.
-const FINEST: [usize; 3] = [181, 91, 19];
+/// The lattice that values are taken at: θh in halves of the bins of MERL, θd to a degree, and twelve steps to the horizon.
+/// Coarser ones are chosen among its divisions.
+const FINEST: [usize; 3] = [181, 91, 13];
 /// Divisions of the axes of the finest lattice, from the coarsest.
-const STEPS: [&[usize]; 3] = [&[4, 2, 1], &[5, 3, 2, 1], &[18, 6, 3, 2, 1]];
+const STEPS: [&[usize]; 3] = [&[6, 4, 3, 2, 1], &[5, 3, 2, 1], &[6, 4, 3, 2, 1]];
 /// The same for colours.
-const TINT_STEPS: [&[usize]; 3] = [&[36, 12, 6, 2], &[18, 6, 3, 2], &[18, 6, 2]];
+const TINT_STEPS: [&[usize]; 3] = [&[36, 12, 6, 2], &[18, 6, 3, 2], &[12, 6, 3]];
 /// A coarser lattice is good enough when this part of the nodes left out is met to within that fraction.
 const QUANTILE: f64 = 0.97;
 const TOLERANCE: f64 = 0.003;
 /// Part of the smallest value that is split off as the diffuse part: not all of it, so that the logarithm of the rest, which is
 /// what the lattice holds, stays finite.
 const DIFFUSE: f64 = 0.9;
-/// Angles nearest to a quarter turn that values are taken at: at the quarter turn itself both directions graze.
-const LARGEST: f64 = 0.9995 * FRAC_PI_2;
 /// Colours whose channels are apart by less than this fraction are grey.
 const GREY: f64 = 1e-4;
 
@@ -92,10 +90,7 @@ pub fn build(
     };
 
     // The values at all nodes, and which of those above the horizon had none.
-    let angles = |at: [usize; 3]| {
-        let [h, d, p] = fine.coordinates(at);
-        [(h * h * FRAC_PI_2).min(LARGEST), (d * FRAC_PI_2).min(LARGEST), p * FRAC_PI_2]
-    };
+    let angles = |at: [usize; 3]| coordinates::node(fine.coordinates(at));
     let mut values = (0..fine.len()).map(|i| folded(angles(fine.place(i)))).collect::<Result<Vec<_>, _>>()?;
     let above = |i: usize| {
         let (wi, wo) = coordinates::directions(angles(fine.place(i)));
@@ -135,7 +130,7 @@ pub fn build(
     // Colours likewise.
     let tints: Vec<[f64; 3]> = rest.iter().map(|rgb| tint(rgb, floor)).collect();
     let colored = tints.iter().zip(&lit).any(|(t, lit)| *lit && t.iter().any(|t| (t - 1.0).abs() > GREY));
-    let (tint_nodes, tint) = if colored {
+    let (tint_lattice, tint) = if colored {
         let apart = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
         let mix = |corners: &[(usize, f64); 8], of: &[[f64; 3]]| {
             core::array::from_fn(|c| corners.iter().map(|&(i, w)| w * of[i][c]).sum())
@@ -152,10 +147,10 @@ pub fn build(
     let range = [low, low + 65535.0 * step];
     let stored = |(alpha, share): (f64, f64)| data::Stored {
         name: name.clone(),
-        nodes: counts(&shape),
+        lattice: counts(&shape),
         range,
         values: Vec::clone(&quantized),
-        tint_nodes,
+        tint_lattice,
         tint: Vec::clone(&tint),
         alpha,
         share,
@@ -182,8 +177,9 @@ fn counts(shape: &Shape) -> [u16; 3] {
     shape.nodes().map(|n| n as u16)
 }
 
-/// The values with those that are not known carried on: along φd, where every row begins above the horizon at a quarter turn,
-/// by the slope of the logarithm between the last two that are known; a whole row that is not known is the row before it.
+/// The values with those that are not known carried on: along the last coordinate, from where both directions are equally far
+/// from the horizon up to it, by the slope of the logarithm between the last two that are known; a whole row that is not known
+/// is the row before it.
 fn fill(shape: &Shape, values: &[Option<[f64; 3]>], floor: f64) -> Vec<[f64; 3]> {
     let [rows, columns, depth] = shape.nodes();
     let mut filled = vec![[0.0; 3]; values.len()];
@@ -193,21 +189,19 @@ fn fill(shape: &Shape, values: &[Option<[f64; 3]>], floor: f64) -> Vec<[f64; 3]>
         let known = &values[start..start + depth];
         // At the end of a row of θd begins one of another θh: it continues what stands above it.
         let before = if row % columns == 0 && row > 0 { Some(start - columns * depth) } else { last };
-        let out: Vec<[f64; 3]> = match known.iter().rposition(Option::is_some) {
+        let out: Vec<[f64; 3]> = match known.iter().position(Option::is_some) {
             None => match before {
                 Some(before) => filled[before..before + depth].to_vec(),
                 None => vec![*values.iter().flatten().next().unwrap_or(&[floor; 3]); depth],
             },
             Some(first) => {
                 let mut out = vec![known[first].unwrap_or([floor; 3]); depth];
-                for p in (0..first).rev() {
+                for p in first + 1..depth {
                     out[p] = known[p].unwrap_or_else(|| {
-                        let next = out[p + 1];
-                        let slope = |c: usize| {
-                            let beyond = out.get(p + 2).map_or(next[c], |x| x[c]).max(floor);
-                            (next[c].max(floor) / beyond).clamp(0.5, 2.0)
-                        };
-                        core::array::from_fn(|c| next[c] * slope(c))
+                        let (last, before) = (out[p - 1], out[p.saturating_sub(2)]);
+                        core::array::from_fn(|c| {
+                            last[c] * (last[c].max(floor) / before[c].max(floor)).clamp(0.5, 2.0)
+                        })
                     });
                 }
                 out

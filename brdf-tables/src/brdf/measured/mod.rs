@@ -21,7 +21,8 @@ pub use coordinates::{angles, directions};
 /// f_r from values over the half and difference angles (Rusinkiewicz 1998, "A new change of variables for efficient BRDF
 /// representation"), isotropic, reciprocal and symmetric about the plane of incidence by its coordinates.
 ///
-/// The logarithms of the values, 16 bits each, are interpolated in √θh, θd and φd; what the lattice holds is grey, with the
+/// The logarithms of the values, 16 bits each, are interpolated in functions of these angles that follow highlights and the
+/// horizon, and are found without any arc; what the lattice holds is grey, with the
 /// colours in a coarser one beside it ([`Measured::tint`]). Directions are drawn from a cosine and visible GGX normals, fitted
 /// to the values, with their exact density.
 ///
@@ -36,7 +37,8 @@ impl Measured {
         &self.0.stored.name
     }
 
-    /// Nodes along √θh, θd and φd.
+    /// Nodes along functions of θh, θd and φd, in this order: (1 − cosθh)^¼, (1 − cosθd)^½, and the square of the z of the
+    /// difference of the directions over the largest that it has at θh and θd above the horizon.
     pub fn lattice(&self) -> [usize; 3] {
         self.0.shape.nodes()
     }
