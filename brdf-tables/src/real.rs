@@ -6,8 +6,11 @@
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, prelude::*, u32x4, u32x16};
 
+mod pair;
 #[cfg(test)]
 mod tests;
+
+pub use pair::Pair;
 
 /// Lanes of the vector instance of [`Real`].
 pub const LANES: usize = 16;
@@ -103,7 +106,7 @@ pub trait Real:
     fn floor(self) -> Self;
     /// The low and the high half of `table[index]`, per lane; the index holds non-negative integers and is kept in range.
     fn fetch_pair(index: Self, table: &[u32]) -> (Self, Self);
-    /// The four pairs of `table[index]`, as [`Real::fetch_pair`] has one.
+    /// The four pairs of `table[index]`, a number n as 1 + n/65536.
     fn fetch_cell(index: Self, table: &[Cell]) -> [[Self; 2]; 4];
     /// 2 to the power `self`; zero below −126 in the f32 types.
     fn exp2(self) -> Self;
@@ -204,7 +207,8 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn fetch_cell(index: Self, table: &[Cell]) -> [[Self; 2]; 4] {
-                table[(index as usize).min(table.len() - 1)].map(|pair| [pair & 0xffff, pair >> 16].map(|half| half as $t))
+                table[(index as usize).min(table.len() - 1)]
+                    .map(|pair| [pair & 0xffff, pair >> 16].map(|half| 1.0 + half as $t / 65536.0))
             }
             #[inline(always)]
             fn exp2(self) -> Self {
@@ -238,11 +242,12 @@ fn four<S: Simd>(simd: S, table: &[Cell], at: &[u32; LANES], first: usize) -> u3
     a.combine(b).combine(c.combine(d))
 }
 
-/// The low and the high halves of pairs.
+/// The low and the high halves of pairs, as the leading digits of numbers from 1 to 2: which needs no conversion.
 #[inline(always)]
 fn halves<S: Simd>(pair: u32x16<S>) -> [f32x16<S>; 2] {
-    let (low, high): (i32x16<S>, i32x16<S>) = ((pair & 0xffff).bitcast(), (pair >> 16).bitcast());
-    [low.to_float(), high.to_float()]
+    const ONE: u32 = 0x3f80_0000;
+    const DIGITS: u32 = 0xffff << 7;
+    [((pair << 7) & DIGITS | ONE).bitcast(), ((pair >> 9) & DIGITS | ONE).bitcast()]
 }
 
 impl<S: Simd> Real for f32x16<S> {
@@ -310,7 +315,12 @@ impl<S: Simd> Real for f32x16<S> {
         // Signed numbers are converted by one instruction everywhere; as unsigned ones the negative are large.
         let at: u32x16<S> = index.to_int::<i32x16<S>>().bitcast();
         let at = at.min((table.len() - 1) as u32).to_array();
-        let (a, b, c, d) = (four(simd, table, &at, 0), four(simd, table, &at, 4), four(simd, table, &at, 8), four(simd, table, &at, 12));
+        let (a, b, c, d) = (
+            four(simd, table, &at, 0),
+            four(simd, table, &at, 4),
+            four(simd, table, &at, 8),
+            four(simd, table, &at, 12),
+        );
         // Each vector holds the pairs of four lanes; even places and odd ones, twice, part them by their number.
         let (even, even_rest) = (a.unzip_low(b), c.unzip_low(d));
         let (odd, odd_rest) = (a.unzip_high(b), c.unzip_high(d));

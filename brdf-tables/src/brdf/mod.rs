@@ -82,6 +82,16 @@ pub trait Formula {
     fn rest<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         self.f(wi, wo)
     }
+
+    /// Whether it is a long chain of operations that wait for one another: look-ups then take directions four at a time, and
+    /// none without need.
+    const LONG: bool = false;
+
+    /// [`Formula::rest`] of four directions.
+    #[inline(always)]
+    fn rest_of_four<T: Real>(&self, [a, b, c, d]: [[T; 3]; 4], wo: [T; 3]) -> [T; 4] {
+        [self.rest(a, wo), self.rest(b, wo), self.rest(c, wo), self.rest(d, wo)]
+    }
 }
 
 /// What a model knows of itself beside its formula. Nothing here has a default: a model that forgets one does not compile.

@@ -199,9 +199,7 @@ fn fill(shape: &Shape, values: &[Option<[f64; 3]>], floor: f64) -> Vec<[f64; 3]>
                 for p in first + 1..depth {
                     out[p] = known[p].unwrap_or_else(|| {
                         let (last, before) = (out[p - 1], out[p.saturating_sub(2)]);
-                        core::array::from_fn(|c| {
-                            last[c] * (last[c].max(floor) / before[c].max(floor)).clamp(0.5, 2.0)
-                        })
+                        core::array::from_fn(|c| last[c] * (last[c].max(floor) / before[c].max(floor)).clamp(0.5, 2.0))
                     });
                 }
                 out

@@ -33,7 +33,7 @@ pub fn unit<T: Real>(wi: [T; 3], wo: [T; 3]) -> [T; 3] {
     // The difference is 2 sinθd u with u ⊥ h, and u.z = −sinθh cosφd.
     let largest = (z2 * sum2).min(across2 * (one.lit(4.0) - sum2)).max(tiny);
     let t = (wi[2] - wo[2]).sq() * sum2 * largest.recip();
-    [lowered.min(one).sqrt().sqrt(), turned.sqrt().min(one), t.min(one)]
+    [lowered.min(one).sqrt().sqrt(), turned.sqrt(), t.min(one)]
 }
 
 /// The angles of a node of the lattice, as of [`angles`], a little above the horizon where it lies there.

@@ -10,6 +10,9 @@ const LONGEST_NAME: usize = 64;
 /// Octaves between the smallest and the largest value: what lies lower is taken as the smallest.
 pub const OCTAVES: f64 = 40.0;
 
+/// What keeps 1 within the last cell, in single precision too.
+pub const INSIDE: f64 = 1.0 - 1.0 / (1u32 << 22) as f64;
+
 /// What a file has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -114,10 +117,10 @@ impl Data {
 /// The values with the constants of their look-up, which are made once for many directions.
 pub struct Lookup<'a> {
     cells: &'a [Cell],
-    /// Cells along each axis, and the first of the last.
+    /// Cells along each axis, and what unit coordinates are multiplied by: a little less, so that 1 lies in the last cell.
     count: [Constant; 3],
-    last: [Constant; 3],
-    /// Binary logarithm of the smallest value, and of the factor from one to the next.
+    scale: [Constant; 3],
+    /// The binary logarithm of a value that is kept as x is `low` + `step` x.
     low: Constant,
     step: Constant,
 }
@@ -126,14 +129,15 @@ impl<'a> Lookup<'a> {
     #[inline(always)]
     pub fn new(data: &'a Data) -> Self {
         let nodes = data.shape.nodes();
-        let constant = |n: usize| Constant::from(n as f64);
         let [first, last] = data.stored.range;
+        // They are fetched as 1 + n/65536.
+        let step = (last - first) * (65536.0 / 65535.0);
         Self {
             cells: &data.cells,
-            count: nodes.map(|n| constant(n - 1)),
-            last: nodes.map(|n| constant(n - 2)),
-            low: first.into(),
-            step: ((last - first) / 65535.0).into(),
+            count: nodes.map(|n| Constant::from((n - 1) as f64)),
+            scale: nodes.map(|n| Constant::from((n - 1) as f64 * INSIDE)),
+            low: (first - step).into(),
+            step: step.into(),
         }
     }
 
@@ -141,9 +145,9 @@ impl<'a> Lookup<'a> {
     #[inline(always)]
     pub fn value<T: Real>(&self, [h, d, p]: [T; 3]) -> T {
         let (columns, depth) = (h.constant(self.count[1]), h.constant(self.count[2]));
-        let (h, fh) = place(h, self.count[0], self.last[0]);
-        let (d, fd) = place(d, self.count[1], self.last[1]);
-        let (p, fp) = place(p, self.count[2], self.last[2]);
+        let (h, fh) = place(h, self.scale[0]);
+        let (d, fd) = place(d, self.scale[1]);
+        let (p, fp) = place(p, self.scale[2]);
         let [a, b, c, d] = T::fetch_cell(h.mul_add(columns, d).mul_add(depth, p), self.cells);
         let (low, high) = (mix([mix(a, fp), mix(b, fp)], fd), mix([mix(c, fp), mix(d, fp)], fd));
         let value = mix([low, high], fh);
@@ -155,9 +159,9 @@ impl<'a> Lookup<'a> {
 
 /// The node below a unit coordinate, and the way to the next.
 #[inline(always)]
-fn place<T: Real>(x: T, count: Constant, last: Constant) -> (T, T) {
-    let at = x * x.constant(count);
-    let low = at.min(x.constant(last)).floor();
+fn place<T: Real>(x: T, scale: Constant) -> (T, T) {
+    let at = x * x.constant(scale);
+    let low = at.floor();
     (low, at - low)
 }
 
