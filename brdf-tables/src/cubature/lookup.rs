@@ -82,6 +82,7 @@ pub fn integrals<T: Real, M: Formula>(
 pub fn lookup<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBatch, wo: DVec3, out: &mut [f32]) {
     let view = View::new(table, wo);
     let eye = Eye::new(simd, model, wo.as_vec3());
+    let (mut picked, mut sums, mut areas) = (Picked::new(), [0.0; CHUNK + LANES], [0.0; CHUNK + LANES]);
     for start in (0..caps.len()).step_by(CHUNK) {
         let count = CHUNK.min(caps.len() - start);
         let at_axes = &mut out[start..start + count];
@@ -91,22 +92,31 @@ pub fn lookup<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &
         if M::LONG && !lone {
             eye.all(simd, model, caps, start, at_axes);
         }
-        let (picked, ends) = rules.sorted(simd, caps, start, lone);
+        let ends = rules.sort(simd, caps, start, lone, &mut picked);
         let kernel = Kernel { simd, model, view: &view, caps: &picked };
-        for (rule, ends) in ends.windows(2).enumerate() {
-            if M::LONG && rule == usize::from(FAR) {
-                for first in (ends[0]..ends[1]).step_by(LANES) {
-                    let mut values = [0.0; LANES];
-                    eye.one(simd, model, picked.lanes(first), &mut values);
-                    for (value, i) in values.into_iter().zip(&picked.index[first..ends[1]]) {
-                        out[*i as usize] = value;
-                    }
-                }
-                continue;
-            }
+        let (far, end) = (ends[usize::from(FAR) + 1], ends[RULES.len()]);
+        for (rule, ends) in ends.windows(2).enumerate().skip(usize::from(FAR) + 1) {
             kernel.each(Side::Above, rule, ends[0]..ends[1], |place, sum, area| {
-                out[picked.index[place] as usize] = sum.max(0.0) / area.max(1e-30);
+                (sums[place], areas[place]) = (sum, area);
             });
+        }
+        let mut put = |first: usize, end: usize, values: [f32; LANES]| {
+            for (value, i) in values.into_iter().zip(&picked.index[first..end]) {
+                out[*i as usize] = value;
+            }
+        };
+        if M::LONG {
+            for first in (0..far).step_by(LANES) {
+                let mut values = [0.0; LANES];
+                eye.one(simd, model, picked.lanes(first), &mut values);
+                put(first, far, values);
+            }
+        }
+        for first in (far..end).step_by(LANES) {
+            let sum = f32x16::from_slice(simd, &sums[first..first + LANES]);
+            let area = f32x16::from_slice(simd, &areas[first..first + LANES]);
+            let mean = Real::max(sum, sum.lit(0.0)) / Real::max(area, area.lit(1e-30));
+            put(first, end, mean.to_array());
         }
     }
 }
@@ -141,9 +151,9 @@ impl<S: Simd> Eye<f32x16<S>> {
         let (fours, last) = out.as_chunks_mut::<{ 4 * LANES }>();
         let mut block = start;
         for out in fours {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|k| caps.lanes(block + k * LANES));
-            let wi = [axis(simd, a), axis(simd, b), axis(simd, c), axis(simd, d)];
-            for (rest, out) in model.rest_of_four(wi, self.wo).into_iter().zip(out.chunks_mut(LANES)) {
+            let (a, b) = (axis(simd, caps.lanes(block)), axis(simd, caps.lanes(block + LANES)));
+            let (c, d) = (axis(simd, caps.lanes(block + 2 * LANES)), axis(simd, caps.lanes(block + 3 * LANES)));
+            for (rest, out) in model.rest_of_four([a, b, c, d], self.wo).into_iter().zip(out.chunks_mut(LANES)) {
                 self.store(rest, out);
             }
             block += 4 * LANES;
@@ -265,16 +275,18 @@ impl Rules {
         self.of[..count].iter().map(|rule| usize::from(*rule == FAR)).sum()
     }
 
-    /// The caps by rule, and where each rule begins; those that keep the BRDF at the axis are left out if not `lone`.
+    /// Puts the caps in a list by rule, and says where each rule begins; those that keep the BRDF at the axis are left out if
+    /// not `lone`.
     #[inline(always)]
-    fn sorted<S: Simd>(
+    fn sort<S: Simd>(
         &self,
         simd: S,
         caps: &CapBatch,
         start: usize,
         lone: bool,
-    ) -> (Picked, [usize; RULES.len() + 1]) {
-        let (mut picked, columns) = (Picked::new(), caps.columns());
+        picked: &mut Picked,
+    ) -> [usize; RULES.len() + 1] {
+        let columns = caps.columns();
         let (mut ends, mut end) = ([0; RULES.len() + 1], 0);
         for rule in 0..RULES.len() as u8 {
             if (lone || rule != FAR) && self.present >> rule & 1 == 1 {
@@ -289,7 +301,7 @@ impl Rules {
             }
             ends[usize::from(rule) + 1] = end;
         }
-        (picked, ends)
+        ends
     }
 }
 
