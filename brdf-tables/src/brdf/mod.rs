@@ -33,6 +33,7 @@ pub use ward::{Ward, WardVariant};
 /// Numbers that shaders share with the formulas.
 #[cfg(feature = "wgsl")]
 pub(crate) mod constants {
+    pub(crate) use super::measured::INSIDE;
     pub(crate) use super::microfacet::{WALTER, WALTER_END};
     pub(crate) use super::sheen::FLOOR as SHEEN_FLOOR;
     pub(crate) use super::ward::FLOOR as WARD_FLOOR;

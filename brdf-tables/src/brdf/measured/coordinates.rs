@@ -86,6 +86,28 @@ mod tests {
         assert!(angles(DVec3::Z, DVec3::Z)[1] < 1e-7);
     }
 
+    /// Nodes are looked up where they lie, all above the horizon, which is the last face.
+    #[test]
+    fn nodes_lie_above_the_horizon() {
+        let mut grazing = 0;
+        for i in 0..1000 {
+            let at = [(i % 10) as f64 / 9.0, (i / 10 % 10) as f64 / 9.0, (i / 100) as f64 / 9.0];
+            let (wi, wo) = directions(node(at));
+            assert!(wi.z > 0.0 && wo.z > 0.0, "{at:?}: {wi} {wo}");
+            let [theta_h, theta_d, _] = node(at);
+            if at[2] == 1.0 && theta_h.tan() * theta_d.tan() > 1.0 {
+                assert!(wi.z.min(wo.z) < 2e-3, "{at:?}: {wi} {wo}");
+                grazing += 1;
+            }
+            // Where an angle is zero, or both directions graze, the others mean nothing.
+            if at[..2].iter().all(|x| (0.1..0.9).contains(x)) {
+                let found = unit(wi.to_array(), wo.to_array());
+                assert!(at.iter().zip(found).all(|(a, b)| (a - b).abs() < 5e-3), "{at:?}: {found:?}");
+            }
+        }
+        assert!(grazing > 10);
+    }
+
     /// Single precision follows double.
     #[test]
     fn single_precision_agrees() {

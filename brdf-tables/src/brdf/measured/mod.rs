@@ -17,6 +17,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use build::{BuildError, Built, build};
 pub use coordinates::{angles, directions};
+#[cfg(feature = "wgsl")]
+pub(crate) use data::INSIDE;
 
 /// f_r from values over the half and difference angles (Rusinkiewicz 1998, "A new change of variables for efficient BRDF
 /// representation"), isotropic, reciprocal and symmetric about the plane of incidence by its coordinates.
