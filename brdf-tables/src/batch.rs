@@ -90,6 +90,7 @@ impl CapBatch {
     }
 
     /// The lanes `[start, start + LANES)`.
+    #[inline(always)]
     pub(crate) fn lanes(&self, start: usize) -> [&[f32; LANES]; 4] {
         self.columns().map(|column| column[start..].first_chunk().expect("columns are padded to whole vectors"))
     }

@@ -4,13 +4,19 @@
 //! readable twin and the fast path are the same source, and differ only in precision.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
-use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, prelude::*, u32x16};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x16, i32x16, prelude::*, u32x4, u32x16};
 
+mod pair;
 #[cfg(test)]
 mod tests;
 
+pub use pair::Pair;
+
 /// Lanes of the vector instance of [`Real`].
 pub const LANES: usize = 16;
+
+/// Four pairs of 16-bit numbers, the first of each in the low half.
+pub type Cell = [u32; 4];
 
 /// A constant of a formula in both precisions: to convert it costs more than to use it where that is for one vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,17 +55,6 @@ pub const LN: [f64; 9] = [
 ];
 /// p of asin x = x + x³ p(x²) for |x| ≤ ½ (Cephes asinf).
 pub(crate) const ASIN: [f64; 5] = [4.216_32e-2, 2.418_131_1e-2, 4.547_002_6e-2, 7.495_300_3e-2, 1.666_675_2e-1];
-/// p of asin √x = √x p(x) for 0 ≤ x ≤ ½, at the nodes of Chebyshev (relative error 9e-8 in single precision).
-const ARC: [f64; 8] = [
-    0.109_673_983,
-    -0.090_086_216_8,
-    0.075_539_753_9,
-    0.016_731_388_9,
-    0.046_480_849_5,
-    0.074_881_144_4,
-    0.166_669_547,
-    0.999_999_989,
-];
 /// p of sin h = h + h³ p(h²) for |h| ≤ π/2, by its series.
 pub(crate) const SIN: [f64; 5] = [-2.505_210_8e-8, 2.755_731_9e-6, -1.984_127e-4, 8.333_333_3e-3, -1.666_666_7e-1];
 /// cos h in h², likewise.
@@ -111,8 +106,8 @@ pub trait Real:
     fn floor(self) -> Self;
     /// The low and the high half of `table[index]`, per lane; the index holds non-negative integers and is kept in range.
     fn fetch_pair(index: Self, table: &[u32]) -> (Self, Self);
-    /// Four neighbours, `table[index]` per lane as [`Real::fetch_pair`] has two: of the first number, then of the second.
-    fn fetch_quad(index: Self, table: &[[u32; 2]]) -> [Self; 4];
+    /// The four pairs of `table[index]`, a number n as 1 + n/65536.
+    fn fetch_cell(index: Self, table: &[Cell]) -> [[Self; 2]; 4];
     /// 2 to the power `self`; zero below −126 in the f32 types.
     fn exp2(self) -> Self;
     /// Base-2 logarithm of a positive, normal number.
@@ -120,8 +115,6 @@ pub trait Real:
 
     /// Arc sine of a number in [−1, 1].
     fn asin(self) -> Self;
-    /// 2 asin √x of a number in [0, ½]: the angle whose half has this squared sine.
-    fn angle_of_half(self) -> Self;
     /// Sine and cosine of an angle in [−π, π].
     fn sin_cos(self) -> (Self, Self);
 
@@ -213,9 +206,9 @@ macro_rules! scalar {
                 ((pair & 0xffff) as $t, (pair >> 16) as $t)
             }
             #[inline(always)]
-            fn fetch_quad(index: Self, table: &[[u32; 2]]) -> [Self; 4] {
-                let [a, b] = table[(index as usize).min(table.len() - 1)];
-                [a & 0xffff, a >> 16, b & 0xffff, b >> 16].map(|half| half as $t)
+            fn fetch_cell(index: Self, table: &[Cell]) -> [[Self; 2]; 4] {
+                table[(index as usize).min(table.len() - 1)]
+                    .map(|pair| [pair & 0xffff, pair >> 16].map(|half| 1.0 + half as $t / 65536.0))
             }
             #[inline(always)]
             fn exp2(self) -> Self {
@@ -230,10 +223,6 @@ macro_rules! scalar {
                 $t::asin(self)
             }
             #[inline(always)]
-            fn angle_of_half(self) -> Self {
-                2.0 * $t::sqrt(self).asin()
-            }
-            #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 $t::sin_cos(self)
             }
@@ -242,6 +231,24 @@ macro_rules! scalar {
 }
 scalar!(f64, wide);
 scalar!(f32, narrow);
+
+/// The entries of a table for four lanes, side by side.
+#[inline(always)]
+fn four<S: Simd>(simd: S, table: &[Cell], at: &[u32; LANES], first: usize) -> u32x16<S> {
+    let (a, b) = (&table[at[first] as usize], &table[at[first + 1] as usize]);
+    let (c, d) = (&table[at[first + 2] as usize], &table[at[first + 3] as usize]);
+    let (a, b) = (u32x4::load_array_ref(simd, a), u32x4::load_array_ref(simd, b));
+    let (c, d) = (u32x4::load_array_ref(simd, c), u32x4::load_array_ref(simd, d));
+    a.combine(b).combine(c.combine(d))
+}
+
+/// The low and the high halves of pairs, as the leading digits of numbers from 1 to 2: which needs no conversion.
+#[inline(always)]
+fn halves<S: Simd>(pair: u32x16<S>) -> [f32x16<S>; 2] {
+    const ONE: u32 = 0x3f80_0000;
+    const DIGITS: u32 = 0xffff << 7;
+    [((pair << 7) & DIGITS | ONE).bitcast(), ((pair >> 9) & DIGITS | ONE).bitcast()]
+}
 
 impl<S: Simd> Real for f32x16<S> {
     type Mask = <Self as SimdBase<S>>::Mask;
@@ -303,18 +310,26 @@ impl<S: Simd> Real for f32x16<S> {
         ((pairs & 0xffff).to_float(), (pairs >> 16).to_float())
     }
     #[inline(always)]
-    fn fetch_quad(index: Self, table: &[[u32; 2]]) -> [Self; 4] {
+    fn fetch_cell(index: Self, table: &[Cell]) -> [[Self; 2]; 4] {
         let simd = index.simd;
-        let at: u32x16<S> = index.to_int();
+        // Signed numbers are converted by one instruction everywhere; as unsigned ones the negative are large.
+        let at: u32x16<S> = index.to_int::<i32x16<S>>().bitcast();
         let at = at.min((table.len() - 1) as u32).to_array();
-        let mut quads = [[0; 2]; LANES];
-        for (quad, at) in quads.iter_mut().zip(at) {
-            *quad = table[at as usize];
-        }
-        let [first, last]: [[u32; LANES]; 2] = bytemuck::cast(quads);
-        let [first, last] = [u32x16::load_array(simd, first), u32x16::load_array(simd, last)];
-        let (a, b) = (first.unzip_low(last), first.unzip_high(last));
-        [(a & 0xffff).to_float(), (a >> 16).to_float(), (b & 0xffff).to_float(), (b >> 16).to_float()]
+        let (a, b, c, d) = (
+            four(simd, table, &at, 0),
+            four(simd, table, &at, 4),
+            four(simd, table, &at, 8),
+            four(simd, table, &at, 12),
+        );
+        // Each vector holds the pairs of four lanes; even places and odd ones, twice, part them by their number.
+        let (even, even_rest) = (a.unzip_low(b), c.unzip_low(d));
+        let (odd, odd_rest) = (a.unzip_high(b), c.unzip_high(d));
+        [
+            halves(even.unzip_low(even_rest)),
+            halves(odd.unzip_low(odd_rest)),
+            halves(even.unzip_high(even_rest)),
+            halves(odd.unzip_high(odd_rest)),
+        ]
     }
     #[inline(always)]
     fn recip(self) -> Self {
@@ -357,12 +372,6 @@ impl<S: Simd> Real for f32x16<S> {
         let r = Real::mul_add(p * z, x, x);
         let r = Real::select(large, self.lit(core::f64::consts::FRAC_PI_2) - (r + r), r);
         Real::select(self.lt(self.lit(0.0)), -r, r)
-    }
-    /// [`ARC`], without the cases that [`Real::asin`] tells apart.
-    #[inline(always)]
-    fn angle_of_half(self) -> Self {
-        let root = Real::sqrt(self);
-        (root + root) * horner(&ARC, self)
     }
     /// Taylor series of the half angle (|x| ≤ π/2, error below 6e-8), then the double-angle formulas.
     #[inline(always)]

@@ -112,6 +112,8 @@ impl<const COUNT: usize> Lobes<COUNT> {
 }
 
 impl<const COUNT: usize> Formula for Lobes<COUNT> {
+    const LONG: bool = true;
+
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         let (x, y, z) = (wi[0] * wo[0], wi[1] * wo[1], wi[2] * wo[2]);

@@ -33,6 +33,7 @@ pub use ward::{Ward, WardVariant};
 /// Numbers that shaders share with the formulas.
 #[cfg(feature = "wgsl")]
 pub(crate) mod constants {
+    pub(crate) use super::measured::INSIDE;
     pub(crate) use super::microfacet::{WALTER, WALTER_END};
     pub(crate) use super::sheen::FLOOR as SHEEN_FLOOR;
     pub(crate) use super::ward::FLOOR as WARD_FLOOR;
@@ -81,6 +82,16 @@ pub trait Formula {
     #[inline(always)]
     fn rest<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         self.f(wi, wo)
+    }
+
+    /// Whether it is a long chain of operations that wait for one another: look-ups then take directions four at a time, and
+    /// none without need.
+    const LONG: bool = false;
+
+    /// [`Formula::rest`] of four directions.
+    #[inline(always)]
+    fn rest_of_four<T: Real>(&self, [a, b, c, d]: [[T; 3]; 4], wo: [T; 3]) -> [T; 4] {
+        [self.rest(a, wo), self.rest(b, wo), self.rest(c, wo), self.rest(d, wo)]
     }
 }
 

@@ -114,6 +114,8 @@ impl Fibres {
 }
 
 impl Formula for Fibres {
+    const LONG: bool = true;
+
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         let one = wi[0].lit(1.0);

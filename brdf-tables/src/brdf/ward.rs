@@ -96,6 +96,8 @@ impl<const BOUNDED: bool> Gauss<BOUNDED> {
 }
 
 impl<const BOUNDED: bool> Formula for Gauss<BOUNDED> {
+    const LONG: bool = true;
+
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         self.rest(wi, wo) * self.factor(wo)

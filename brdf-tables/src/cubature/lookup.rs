@@ -81,17 +81,105 @@ pub fn integrals<T: Real, M: Formula>(
 #[inline(always)]
 pub fn lookup<S: Simd, M: Formula>(simd: S, table: &Cubature, model: &M, caps: &CapBatch, wo: DVec3, out: &mut [f32]) {
     let view = View::new(table, wo);
+    let eye = Eye::new(simd, model, wo.as_vec3());
+    let (mut picked, mut sums, mut areas) = (Picked::new(), [0.0; CHUNK + LANES], [0.0; CHUNK + LANES]);
     for start in (0..caps.len()).step_by(CHUNK) {
         let count = CHUNK.min(caps.len() - start);
-        let rules = Rules::new(simd, table, model, caps, wo.as_vec3(), start, &mut out[start..start + count]);
-        let (picked, ends) = rules.sorted(simd, caps, start);
+        let at_axes = &mut out[start..start + count];
+        let rules = Rules::new(simd, table, model, &eye, caps, start, at_axes);
+        // Where it is long, the BRDF at the axis is computed where it is needed, if that is at few caps.
+        let lone = M::LONG && rules.far(count) < count / LONE;
+        if M::LONG && !lone {
+            eye.all(simd, model, caps, start, at_axes);
+        }
+        let ends = rules.sort(simd, caps, start, lone, &mut picked);
         let kernel = Kernel { simd, model, view: &view, caps: &picked };
-        for (rule, ends) in ends.windows(2).enumerate() {
+        let (far, end) = (ends[usize::from(FAR) + 1], ends[RULES.len()]);
+        for (rule, ends) in ends.windows(2).enumerate().skip(usize::from(FAR) + 1) {
             kernel.each(Side::Above, rule, ends[0]..ends[1], |place, sum, area| {
-                out[picked.index[place] as usize] = sum.max(0.0) / area.max(1e-30);
+                (sums[place], areas[place]) = (sum, area);
             });
         }
+        let mut put = |first: usize, end: usize, values: [f32; LANES]| {
+            for (value, i) in values.into_iter().zip(&picked.index[first..end]) {
+                out[*i as usize] = value;
+            }
+        };
+        if M::LONG {
+            for first in (0..far).step_by(LANES) {
+                let mut values = [0.0; LANES];
+                eye.one(simd, model, picked.lanes(first), &mut values);
+                put(first, far, values);
+            }
+        }
+        for first in (far..end).step_by(LANES) {
+            let sum = f32x16::from_slice(simd, &sums[first..first + LANES]);
+            let area = f32x16::from_slice(simd, &areas[first..first + LANES]);
+            let mean = Real::max(sum, sum.lit(0.0)) / Real::max(area, area.lit(1e-30));
+            put(first, end, mean.to_array());
+        }
     }
+}
+
+/// One cap in so many is few.
+const LONE: usize = 4;
+
+/// The direction to the eye in lanes, and the factor that it gives.
+struct Eye<T> {
+    vector: Vec3,
+    wo: [T; 3],
+    factor: T,
+}
+
+impl<S: Simd> Eye<f32x16<S>> {
+    #[inline(always)]
+    fn new<M: Formula>(simd: S, model: &M, vector: Vec3) -> Self {
+        let Vec3 { x, y, z } = vector;
+        let wo = [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)];
+        Self { vector, wo, factor: model.factor(wo) }
+    }
+
+    /// The BRDF at the axes of a vector of caps, as many as `out` has room for.
+    #[inline(always)]
+    fn one<M: Formula>(&self, simd: S, model: &M, lanes: [&[f32; LANES]; 4], out: &mut [f32]) {
+        self.store(model.rest(axis(simd, lanes), self.wo), out);
+    }
+
+    /// The same at the axes of all caps from `start` on that `out` has room for.
+    #[inline(always)]
+    fn all<M: Formula>(&self, simd: S, model: &M, caps: &CapBatch, start: usize, out: &mut [f32]) {
+        let (fours, last) = out.as_chunks_mut::<{ 4 * LANES }>();
+        let mut block = start;
+        for out in fours {
+            let (a, b) = (axis(simd, caps.lanes(block)), axis(simd, caps.lanes(block + LANES)));
+            let (c, d) = (axis(simd, caps.lanes(block + 2 * LANES)), axis(simd, caps.lanes(block + 3 * LANES)));
+            for (rest, out) in model.rest_of_four([a, b, c, d], self.wo).into_iter().zip(out.chunks_mut(LANES)) {
+                self.store(rest, out);
+            }
+            block += 4 * LANES;
+        }
+        for out in last.chunks_mut(LANES) {
+            self.one(simd, model, caps.lanes(block), out);
+            block += LANES;
+        }
+    }
+
+    #[inline(always)]
+    fn store(&self, rest: f32x16<S>, out: &mut [f32]) {
+        let value = rest * self.factor;
+        let values = Real::max(value, value.lit(0.0)).to_array();
+        match out.first_chunk_mut() {
+            Some(out) => *out = values,
+            None => out.copy_from_slice(&values[..out.len()]),
+        }
+    }
+}
+
+/// The axes of a vector of caps, above the horizon, for which models are made.
+#[inline(always)]
+fn axis<S: Simd>(simd: S, [x, y, z, _]: [&[f32; LANES]; 4]) -> [f32x16<S>; 3] {
+    let z = f32x16::load_array_ref(simd, z);
+    [f32x16::load_array_ref(simd, x), f32x16::load_array_ref(simd, y), Real::max(z, z.lit(1e-9))]
 }
 
 /// What every vector of a look-up needs.
@@ -141,6 +229,9 @@ impl<S: Simd, M: Formula> Kernel<'_, S, M> {
     }
 }
 
+/// In place of a rule, where there is no cap.
+const NO_CAP: u8 = u8::MAX;
+
 /// The rules of the caps of a chunk.
 struct Rules {
     /// Index of each.
@@ -150,47 +241,55 @@ struct Rules {
 }
 
 impl Rules {
-    /// Those of the chunk that begins at `start`; `out` receives the BRDF at the axes, which some caps keep.
+    /// Those of the caps from `start` on, as many as `out` has room for; it receives the BRDF at the axes, which some caps keep,
+    /// if it is not long.
     #[inline(always)]
     fn new<S: Simd, M: Formula>(
         simd: S,
         table: &Cubature,
         model: &M,
+        eye: &Eye<f32x16<S>>,
         caps: &CapBatch,
-        wo: Vec3,
         start: usize,
         out: &mut [f32],
     ) -> Self {
-        let (mut of, mut present) = ([FAR; CHUNK], u32x16::splat(simd, 0));
-        let view = wo.to_array().map(|x| f32x16::splat(simd, x));
-        let factor = model.factor(view);
+        let (mut of, mut present) = ([NO_CAP; CHUNK], u32x16::splat(simd, 0));
+        let count = out.len();
         for ((block, out), of) in (start..).step_by(LANES).zip(out.chunks_mut(LANES)).zip(of.chunks_exact_mut(LANES)) {
-            let lanes = caps.lanes(block).map(|lanes| f32x16::load_array_ref(simd, lanes));
-            let [x, y, z, _] = lanes;
-            // Models are made for directions above the horizon.
-            let values = model.rest([x, y, Real::max(z, z.lit(1e-9))], view) * factor;
-            let values = Real::max(values, z.lit(0.0)).to_array();
-            let rules = table.bins.of_lanes(simd, lanes, wo);
+            let lanes = caps.lanes(block);
+            if !M::LONG {
+                eye.one(simd, model, lanes, out);
+            }
+            let lanes = lanes.map(|lanes| f32x16::load_array_ref(simd, lanes));
+            let rules = table.bins.of_lanes(simd, lanes, eye.vector);
             present |= u32x16::splat(simd, 1) << rules;
-            let rules = rules.to_array().map(|rule| rule as u8);
-            match out.first_chunk_mut() {
-                Some(out) => (*out = values, of.copy_from_slice(&rules)),
-                None => {
-                    let count = out.len();
-                    (out.copy_from_slice(&values[..count]), of[..count].copy_from_slice(&rules[..count]))
-                }
-            };
+            of.copy_from_slice(&rules.to_array().map(|rule| rule as u8));
         }
+        of[count..].fill(NO_CAP);
         Self { of, present: present.to_array().into_iter().fold(0, |all, bits| all | bits) }
     }
 
-    /// The caps that do not keep the BRDF at the axis, by rule, and where each rule begins.
+    /// How many of the first `count` caps keep the BRDF at the axis.
     #[inline(always)]
-    fn sorted<S: Simd>(&self, simd: S, caps: &CapBatch, start: usize) -> (Picked, [usize; RULES.len() + 1]) {
-        let (mut picked, columns) = (Picked::new(), caps.columns());
+    fn far(&self, count: usize) -> usize {
+        self.of[..count].iter().map(|rule| usize::from(*rule == FAR)).sum()
+    }
+
+    /// Puts the caps in a list by rule, and says where each rule begins; those that keep the BRDF at the axis are left out if
+    /// not `lone`.
+    #[inline(always)]
+    fn sort<S: Simd>(
+        &self,
+        simd: S,
+        caps: &CapBatch,
+        start: usize,
+        lone: bool,
+        picked: &mut Picked,
+    ) -> [usize; RULES.len() + 1] {
+        let columns = caps.columns();
         let (mut ends, mut end) = ([0; RULES.len() + 1], 0);
         for rule in 0..RULES.len() as u8 {
-            if rule != FAR && self.present >> rule & 1 == 1 {
+            if (lone || rule != FAR) && self.present >> rule & 1 == 1 {
                 for (first, rules) in (start as u32..).step_by(64).zip(self.of.chunks_exact(64)) {
                     let mut bits = u8x64::from_slice(simd, rules).simd_eq(rule).to_bitmask();
                     while bits != 0 {
@@ -202,7 +301,7 @@ impl Rules {
             }
             ends[usize::from(rule) + 1] = end;
         }
-        (picked, ends)
+        ends
     }
 }
 

@@ -16,13 +16,18 @@ fn lane_functions_match_f64() {
             assert!((f64::from(s[0]) - a.sin()).abs() < 1e-6, "sin {a}");
             assert!((f64::from(c[0]) - a.cos()).abs() < 1e-6, "cos {a}");
             assert!((f64::from(v.asin()[0]) - x.asin()).abs() < 4e-7, "asin {x}");
-            let half = v.lit(0.25) * (v + v.lit(1.0));
-            let right = 2.0 * f64::from(half[0]).sqrt().asin();
-            assert!((f64::from(half.angle_of_half()[0]) / right - 1.0).abs() < 4e-7, "angle of half {x}");
-            let table = [[0x0002_0001, 0x0004_0003], [0x0006_0005, 0x0008_0007]];
-            let quad = Real::fetch_quad(Real::floor(half + half + half.lit(0.5)), &table);
-            let first = if half[0] < 0.25 { 1.0 } else { 5.0 };
-            assert_eq!(quad.map(|q| q[i % LANES]), [first, first + 1.0, first + 2.0, first + 3.0]);
+            let (low, high) = (
+                [0x0002_0001, 0x0004_0003, 0x0006_0005, 0x0008_0007],
+                [0xfff1_fff0, 0xfff3_fff2, 0xfff5_fff4, 0xffff_fff6],
+            );
+            let cell = Real::fetch_cell(Real::floor(v + v.lit(1.0)), &[low, high]);
+            let right = if v[0] < 0.0 { low } else { high };
+            for (found, pair) in cell.into_iter().zip(right) {
+                assert_eq!(
+                    found.map(|half| (half[i % LANES] - 1.0) * 65536.0),
+                    [(pair & 0xffff) as f32, (pair >> 16) as f32]
+                );
+            }
             if x != 0.0 {
                 let r = f64::from(v.recip()[0]) * x;
                 assert!((r - 1.0).abs() < 1e-6, "recip {x}: {r}");

@@ -142,22 +142,18 @@ fn mb_sheen(model: u32, wi: vec3f, wo: vec3f) -> f32 {
 fn mb_measured(model: u32, wi: vec3f, wo: vec3f) -> f32 {
     let at = model + {{BODY}};
     let h = wi + wo;
-    let d = wi - wo;
+    let z2 = h.z * h.z;
     let across2 = h.x * h.x + h.y * h.y;
-    let h2 = across2 + h.z * h.z;
-    let inverse = 1.0 / max(h2, 1e-30);
-    let sin2_h = min(across2 * inverse, 1.0);
-    let cos_h = clamp(h.z * sqrt(inverse), 0.0, 1.0);
-    let half = min(sqrt(sin2_h / (2.0 * cos_h + 2.0)), 1.0);
-    let theta_h = mb_asin(half) * (2.0 * {{FRAC_2_PI}});
-    let cos_d = sqrt(min(h2 * 0.25, 1.0));
-    let theta_d = 1.0 - mb_asin(cos_d) * {{FRAC_2_PI}};
-    let scale = 1.0 / sqrt(max(dot(d, d) * sin2_h, 1e-30));
-    let phi_d = 1.0 - mb_asin(min(abs(d.z) * scale, 1.0)) * {{FRAC_2_PI}};
-    let unit = vec3f(sqrt(min(theta_h, 1.0)), clamp(theta_d, 0.0, 1.0), clamp(phi_d, 0.0, 1.0));
+    let sum2 = max(across2 + z2, 1e-30);
+    let length = sqrt(sum2);
+    let lowered = min(across2 / max(fma(h.z, length, sum2), 1e-30), 1.0);
+    let turned = max(1.0 - 0.5 * length, 0.0);
+    let largest = max(min(z2 * sum2, across2 * (4.0 - sum2)), 1e-30);
+    let d = wi.z - wo.z;
+    let unit = vec3f(sqrt(sqrt(lowered)), sqrt(turned), min(d * d * sum2 / largest, 1.0));
     // Nodes along each axis; pairs of neighbours along the last follow.
     let nodes = vec3u(mb_word(at), mb_word(at + 1u), mb_word(at + 2u));
-    let place = unit * vec3f(nodes - 1u);
+    let place = unit * (vec3f(nodes - 1u) * {{INSIDE}});
     let low = floor(max(min(place, vec3f(nodes - 2u)), vec3f(0.0)));
     let f = place - low;
     let row = nodes.z - 1u;

@@ -3,7 +3,7 @@
 use super::model::{BODY, FRESNEL, Kind};
 use super::words::{CUBATURE, DIFFUSE, RULE_KINDS, ZONAL};
 use crate::batch::MIN_HEIGHT;
-use crate::brdf::constants::{SHEEN_FLOOR, WALTER, WALTER_END, WARD_FLOOR};
+use crate::brdf::constants::{INSIDE, SHEEN_FLOOR, WALTER, WALTER_END, WARD_FLOOR};
 use crate::cubature::constants::{CHORD_STEPS, COSINES, FAR, OUTER, SHIFT};
 use crate::real::{ASIN, COS, EXP2, LN, SIN};
 use crate::zonal::REACH;
@@ -72,6 +72,7 @@ fn constants() -> Vec<(&'static str, String)> {
         ("PI", number(PI)),
         ("FRAC_PI_2", number(FRAC_PI_2)),
         ("FRAC_2_PI", number(FRAC_2_PI)),
+        ("INSIDE", number(INSIDE)),
         ("OVER_TWO_PI", number(1.0 / TAU)),
         ("MIN_HEIGHT", number(MIN_HEIGHT.into())),
         ("WALTER_END", number(WALTER_END)),

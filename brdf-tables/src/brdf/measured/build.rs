@@ -7,21 +7,19 @@ use crate::material::Material;
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
-/// The lattice that values are taken at: √θh in halves of the bins of MERL, θd to a degree, φd to five. Coarser ones are chosen
-/// among its divisions.
-const FINEST: [usize; 3] = [181, 91, 19];
+/// The lattice that values are taken at: θh in halves of the bins of MERL, θd to a degree, and twelve steps to the horizon.
+/// Coarser ones are chosen among its divisions.
+const FINEST: [usize; 3] = [181, 91, 13];
 /// Divisions of the axes of the finest lattice, from the coarsest.
-const STEPS: [&[usize]; 3] = [&[4, 2, 1], &[5, 3, 2, 1], &[18, 6, 3, 2, 1]];
+const STEPS: [&[usize]; 3] = [&[6, 4, 3, 2, 1], &[5, 3, 2, 1], &[6, 4, 3, 2, 1]];
 /// The same for colours.
-const TINT_STEPS: [&[usize]; 3] = [&[36, 12, 6, 2], &[18, 6, 3, 2], &[18, 6, 2]];
+const TINT_STEPS: [&[usize]; 3] = [&[36, 12, 6, 2], &[18, 6, 3, 2], &[12, 6, 3]];
 /// A coarser lattice is good enough when this part of the nodes left out is met to within that fraction.
-const QUANTILE: f64 = 0.97;
-const TOLERANCE: f64 = 0.003;
+const QUANTILE: f64 = 0.95;
+const TOLERANCE: f64 = 0.005;
 /// Part of the smallest value that is split off as the diffuse part: not all of it, so that the logarithm of the rest, which is
 /// what the lattice holds, stays finite.
 const DIFFUSE: f64 = 0.9;
-/// Angles nearest to a quarter turn that values are taken at: at the quarter turn itself both directions graze.
-const LARGEST: f64 = 0.9995 * FRAC_PI_2;
 /// Colours whose channels are apart by less than this fraction are grey.
 const GREY: f64 = 1e-4;
 
@@ -30,7 +28,7 @@ const GREY: f64 = 1e-4;
 pub struct Built {
     /// Diffuse part, and [`Specular::Measured`].
     pub material: Material,
-    /// Nodes of the finest lattice above the horizon, and how many of them had no value and took one from their neighbours.
+    /// Nodes of the finest lattice, and how many of them had no value and took one from their neighbours.
     pub nodes: (usize, usize),
     /// Relative difference of the lattice from the function at directions between its nodes: median and 95th percentile.
     pub difference: [f64; 2],
@@ -91,21 +89,12 @@ pub fn build(
         Ok((count > 0.0).then(|| sum.map(|x| x / count)))
     };
 
-    // The values at all nodes, and which of those above the horizon had none.
-    let angles = |at: [usize; 3]| {
-        let [h, d, p] = fine.coordinates(at);
-        [(h * h * FRAC_PI_2).min(LARGEST), (d * FRAC_PI_2).min(LARGEST), p * FRAC_PI_2]
-    };
+    // The values at all nodes, and how many had none.
+    let angles = |at: [usize; 3]| coordinates::node(fine.coordinates(at));
     let mut values = (0..fine.len()).map(|i| folded(angles(fine.place(i)))).collect::<Result<Vec<_>, _>>()?;
-    let above = |i: usize| {
-        let (wi, wo) = coordinates::directions(angles(fine.place(i)));
-        wi.z > 0.0 && wo.z > 0.0
-    };
-    let lit: Vec<bool> = (0..fine.len()).map(above).collect();
-    let missing = (0..fine.len()).filter(|&i| lit[i] && values[i].is_none()).count();
-    let nodes = (lit.iter().filter(|&&l| l).count(), missing);
+    let nodes = (fine.len(), values.iter().filter(|value| value.is_none()).count());
 
-    // Split off the diffuse part, and carry the rest over the horizon so that interpolation up to it has two ends.
+    // Split off the diffuse part, and carry the rest on to where there is none.
     let measured = || values.iter().flatten();
     let smallest: [f64; 3] = core::array::from_fn(|c| measured().map(|rgb| rgb[c]).fold(f64::INFINITY, f64::min));
     if measured().next().is_none() {
@@ -123,24 +112,24 @@ pub fn build(
     let rest = fill(&fine, &values, floor);
 
     // Grey values on the coarsest lattice that is good enough.
-    // What continues beyond the horizon does not pass what is above it.
+    // What is carried on does not pass what is there.
     let logs: Vec<f64> = rest.iter().map(|rgb| mean(rgb).clamp(floor, largest).log2()).collect();
     let error = |a: &f64, b: &f64| (a - b).abs() * core::f64::consts::LN_2;
     let mix = |corners: &[(usize, f64); 8], of: &[f64]| corners.iter().map(|&(i, w)| w * of[i]).sum::<f64>();
-    let (shape, picked) = coarsest(&fine, &STEPS, &logs, &lit, mix, error);
+    let (shape, picked) = coarsest(&fine, &STEPS, &logs, mix, error);
     let (low, high) = picked.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
     let step = (high - low).max(1e-9) / 65535.0;
     let quantized = picked.iter().map(|x| ((x - low) / step).round().clamp(0.0, 65535.0) as u16).collect();
 
     // Colours likewise.
     let tints: Vec<[f64; 3]> = rest.iter().map(|rgb| tint(rgb, floor)).collect();
-    let colored = tints.iter().zip(&lit).any(|(t, lit)| *lit && t.iter().any(|t| (t - 1.0).abs() > GREY));
-    let (tint_nodes, tint) = if colored {
+    let colored = tints.iter().flatten().any(|t| (t - 1.0).abs() > GREY);
+    let (tint_lattice, tint) = if colored {
         let apart = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
         let mix = |corners: &[(usize, f64); 8], of: &[[f64; 3]]| {
             core::array::from_fn(|c| corners.iter().map(|&(i, w)| w * of[i][c]).sum())
         };
-        let (shape, picked) = coarsest(&fine, &TINT_STEPS, &tints, &lit, mix, apart);
+        let (shape, picked) = coarsest(&fine, &TINT_STEPS, &tints, mix, apart);
         let channel = |t: f64| (t / 3.0 * 65535.0).round().clamp(0.0, 65535.0) as u16;
         (Some(counts(&shape)), picked.into_iter().flatten().map(channel).collect())
     } else {
@@ -152,10 +141,10 @@ pub fn build(
     let range = [low, low + 65535.0 * step];
     let stored = |(alpha, share): (f64, f64)| data::Stored {
         name: name.clone(),
-        nodes: counts(&shape),
+        lattice: counts(&shape),
         range,
         values: Vec::clone(&quantized),
-        tint_nodes,
+        tint_lattice,
         tint: Vec::clone(&tint),
         alpha,
         share,
@@ -182,8 +171,9 @@ fn counts(shape: &Shape) -> [u16; 3] {
     shape.nodes().map(|n| n as u16)
 }
 
-/// The values with those that are not known carried on: along φd, where every row begins above the horizon at a quarter turn,
-/// by the slope of the logarithm between the last two that are known; a whole row that is not known is the row before it.
+/// The values with those that are not known carried on: along the last coordinate, from where both directions are equally far
+/// from the horizon up to it, by the slope of the logarithm between the last two that are known; a whole row that is not known
+/// is the row before it.
 fn fill(shape: &Shape, values: &[Option<[f64; 3]>], floor: f64) -> Vec<[f64; 3]> {
     let [rows, columns, depth] = shape.nodes();
     let mut filled = vec![[0.0; 3]; values.len()];
@@ -193,21 +183,17 @@ fn fill(shape: &Shape, values: &[Option<[f64; 3]>], floor: f64) -> Vec<[f64; 3]>
         let known = &values[start..start + depth];
         // At the end of a row of θd begins one of another θh: it continues what stands above it.
         let before = if row % columns == 0 && row > 0 { Some(start - columns * depth) } else { last };
-        let out: Vec<[f64; 3]> = match known.iter().rposition(Option::is_some) {
+        let out: Vec<[f64; 3]> = match known.iter().position(Option::is_some) {
             None => match before {
                 Some(before) => filled[before..before + depth].to_vec(),
                 None => vec![*values.iter().flatten().next().unwrap_or(&[floor; 3]); depth],
             },
             Some(first) => {
                 let mut out = vec![known[first].unwrap_or([floor; 3]); depth];
-                for p in (0..first).rev() {
+                for p in first + 1..depth {
                     out[p] = known[p].unwrap_or_else(|| {
-                        let next = out[p + 1];
-                        let slope = |c: usize| {
-                            let beyond = out.get(p + 2).map_or(next[c], |x| x[c]).max(floor);
-                            (next[c].max(floor) / beyond).clamp(0.5, 2.0)
-                        };
-                        core::array::from_fn(|c| next[c] * slope(c))
+                        let (last, before) = (out[p - 1], out[p.saturating_sub(2)]);
+                        core::array::from_fn(|c| last[c] * (last[c].max(floor) / before[c].max(floor)).clamp(0.5, 2.0))
                     });
                 }
                 out
@@ -219,12 +205,11 @@ fn fill(shape: &Shape, values: &[Option<[f64; 3]>], floor: f64) -> Vec<[f64; 3]>
     filled
 }
 
-/// The smallest division of a lattice whose interpolation meets the nodes left out that are `lit`, and what it holds.
+/// The smallest division of a lattice whose interpolation meets the nodes left out, and what it holds.
 fn coarsest<T: Copy>(
     fine: &Shape,
     steps: &[&[usize]; 3],
     values: &[T],
-    lit: &[bool],
     mix: impl Fn(&[(usize, f64); 8], &[T]) -> T,
     error: impl Fn(&T, &T) -> f64,
 ) -> (Shape, Vec<T>) {
@@ -244,7 +229,6 @@ fn coarsest<T: Copy>(
         // A part of the nodes will do to tell: a stride that shares no factor with the lattice.
         let mut errors: Vec<f64> = (0..fine.len())
             .step_by(7)
-            .filter(|&i| lit[i])
             .map(|i| error(&mix(&shape.corners(fine.coordinates(fine.place(i))), &picked), &values[i]))
             .collect();
         errors.sort_by(f64::total_cmp);

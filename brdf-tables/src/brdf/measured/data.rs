@@ -1,7 +1,7 @@
 //! The values of a measured material: as a file has them, and as a look-up wants them.
 
 use super::lattice::Shape;
-use crate::real::{Constant, Real};
+use crate::real::{Cell, Constant, Real};
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};
 
@@ -10,20 +10,23 @@ const LONGEST_NAME: usize = 64;
 /// Octaves between the smallest and the largest value: what lies lower is taken as the smallest.
 pub const OCTAVES: f64 = 40.0;
 
+/// What keeps 1 within the last cell, in single precision too.
+pub const INSIDE: f64 = 1.0 - 1.0 / (1u32 << 22) as f64;
+
 /// What a file has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stored {
     /// What it is called.
     pub name: String,
-    /// Nodes along √θh, θd, φd.
-    pub nodes: [u16; 3],
+    /// Nodes along the coordinates of [`super::coordinates::unit`].
+    pub lattice: [u16; 3],
     /// Binary logarithms of f_r in sr⁻¹ that 0 and 65535 stand for.
     pub range: [f64; 2],
-    /// Values, φd the fastest.
+    /// Values, the last coordinate the fastest.
     pub values: Vec<u16>,
     /// Nodes of the colours; none where everything is grey.
-    pub tint_nodes: Option<[u16; 3]>,
+    pub tint_lattice: Option<[u16; 3]>,
     /// Three a node: channels over the grey value, of which 65535 is three.
     pub tint: Vec<u16>,
     /// Roughness of the GGX normals of the sampler.
@@ -36,8 +39,9 @@ pub struct Stored {
 pub struct Data {
     pub stored: Stored,
     pub shape: Shape,
-    /// Pairs of neighbours along φd, the first in the low half, at a node of θd and at the next: with one reading for four values.
-    quads: Vec<[u32; 2]>,
+    /// The corners of the cells: with one reading for eight values. Pairs of neighbours along the last coordinate, the first in
+    /// the low half, at a node of the second and at the next, then the same at the next node of the first.
+    cells: Vec<Cell>,
     pub tint: Option<(Shape, Vec<[f32; 3]>)>,
     pub checksum: u32,
     pub checksum_text: String,
@@ -51,7 +55,7 @@ impl Data {
     pub fn new(stored: Stored) -> Result<Self, &'static str> {
         let shape =
             |nodes: [u16; 3]| Shape::new(nodes.map(usize::from)).ok_or("a lattice of measured values out of range");
-        let lattice = shape(stored.nodes)?;
+        let lattice = shape(stored.lattice)?;
         if stored.name.len() > LONGEST_NAME || !stored.name.chars().all(|c| c.is_alphanumeric() || "._- ".contains(c)) {
             return Err(
                 "the name of a measured material is too long, or has other signs than letters, digits, . _ and -",
@@ -68,7 +72,7 @@ impl Data {
         if !(1e-3..=1.0).contains(&stored.alpha) || !(0.0..=0.99).contains(&stored.share) {
             return Err("the sampler of a measured material is out of range");
         }
-        let tint = match stored.tint_nodes {
+        let tint = match stored.tint_lattice {
             None if stored.tint.is_empty() => None,
             None => return Err("colours without their lattice"),
             Some(nodes) => {
@@ -81,13 +85,12 @@ impl Data {
                 Some((shape, colors.iter().map(|c| c.map(channel)).collect()))
             }
         };
-        let [_, columns, depth] = lattice.nodes();
-        let mut quads = Vec::with_capacity(lattice.len());
-        for plane in stored.values.chunks_exact(columns * depth) {
-            let rows: Vec<&[u16]> = plane.chunks_exact(depth).collect();
-            for beside in rows.windows(2) {
-                quads.extend(beside[0].windows(2).zip(beside[1].windows(2)).map(|(a, b)| [pair(a), pair(b)]));
-            }
+        let [rows, columns, depth] = lattice.nodes();
+        let pair_at = |i: usize| pair(&stored.values[i..i + 2]);
+        let mut cells = Vec::with_capacity((rows - 1) * (columns - 1) * (depth - 1));
+        for (h, d) in (0..rows - 1).flat_map(|h| (0..columns - 1).map(move |d| (h, d))) {
+            let corner = |up: usize, beside: usize, p: usize| pair_at(lattice.index([h + up, d + beside, p]));
+            cells.extend((0..depth - 1).map(|p| [corner(0, 0, p), corner(0, 1, p), corner(1, 0, p), corner(1, 1, p)]));
         }
         let mut hasher = crc32fast::Hasher::new();
         for numbers in [&stored.values, &stored.tint] {
@@ -95,10 +98,10 @@ impl Data {
         }
         hasher.update(bytemuck::bytes_of(&[low, high, stored.alpha, stored.share]));
         let checksum = hasher.finalize();
-        Ok(Self { stored, shape: lattice, quads, tint, checksum, checksum_text: format!("{checksum:08x}") })
+        Ok(Self { stored, shape: lattice, cells, tint, checksum, checksum_text: format!("{checksum:08x}") })
     }
 
-    /// Pairs of neighbours along φd, the first in the low half.
+    /// Pairs of neighbours along the last coordinate, the first in the low half.
     #[cfg(feature = "wgsl")]
     pub fn pairs(&self) -> Vec<u32> {
         let [_, _, depth] = self.shape.nodes();
@@ -113,16 +116,11 @@ impl Data {
 
 /// The values with the constants of their look-up, which are made once for many directions.
 pub struct Lookup<'a> {
-    quads: &'a [[u32; 2]],
-    /// Quads of a plane of θh.
-    plane: usize,
-    /// Last node of each axis, and the last but one.
-    last: [Constant; 3],
-    before: [Constant; 3],
-    /// Quads of a row of φd, and rows of a plane.
-    row: Constant,
-    rows: Constant,
-    /// Binary logarithm of the smallest value, and of the factor from one to the next.
+    cells: &'a [Cell],
+    /// Cells along each axis, and what unit coordinates are multiplied by: a little less, so that 1 lies in the last cell.
+    count: [Constant; 3],
+    scale: [Constant; 3],
+    /// The binary logarithm of a value that is kept as x is `low` + `step` x.
     low: Constant,
     step: Constant,
 }
@@ -131,31 +129,29 @@ impl<'a> Lookup<'a> {
     #[inline(always)]
     pub fn new(data: &'a Data) -> Self {
         let nodes = data.shape.nodes();
-        let [_, columns, depth] = nodes;
-        let constant = |n: usize| Constant::from(n as f64);
         let [first, last] = data.stored.range;
+        // They are fetched as 1 + n/65536.
+        let step = (last - first) * (65536.0 / 65535.0);
         Self {
-            quads: &data.quads,
-            plane: (columns - 1) * (depth - 1),
-            last: nodes.map(|n| constant(n - 1)),
-            before: nodes.map(|n| constant(n - 2)),
-            row: constant(depth - 1),
-            rows: constant(columns - 1),
-            low: first.into(),
-            step: ((last - first) / 65535.0).into(),
+            cells: &data.cells,
+            count: nodes.map(|n| Constant::from((n - 1) as f64)),
+            scale: nodes.map(|n| Constant::from((n - 1) as f64 * INSIDE)),
+            low: (first - step).into(),
+            step: step.into(),
         }
     }
 
     /// f_r in sr⁻¹ at unit coordinates.
     #[inline(always)]
     pub fn value<T: Real>(&self, [h, d, p]: [T; 3]) -> T {
-        let (h, fh) = place(h, self.last[0], self.before[0]);
-        let (d, fd) = place(d, self.last[1], self.before[1]);
-        let (p, fp) = place(p, self.last[2], self.before[2]);
-        let index = (h * h.constant(self.rows) + d) * h.constant(self.row) + p;
-        let low = across(index, (fd, fp), self.quads);
-        let high = across(index, (fd, fp), &self.quads[self.plane..]);
-        (high - low).mul_add(fh, low).mul_add(h.constant(self.step), h.constant(self.low)).exp2()
+        let (columns, depth) = (h.constant(self.count[1]), h.constant(self.count[2]));
+        let (h, fh) = place(h, self.scale[0]);
+        let (d, fd) = place(d, self.scale[1]);
+        let (p, fp) = place(p, self.scale[2]);
+        let [a, b, c, d] = T::fetch_cell(h.mul_add(columns, d).mul_add(depth, p), self.cells);
+        let (low, high) = (mix([mix(a, fp), mix(b, fp)], fd), mix([mix(c, fp), mix(d, fp)], fd));
+        let value = mix([low, high], fh);
+        value.mul_add(h.constant(self.step), h.constant(self.low)).exp2()
     }
 }
 
@@ -163,18 +159,16 @@ impl<'a> Lookup<'a> {
 
 /// The node below a unit coordinate, and the way to the next.
 #[inline(always)]
-fn place<T: Real>(x: T, last: Constant, before: Constant) -> (T, T) {
-    let at = x * x.constant(last);
-    let low = at.min(x.constant(before)).max(x.lit(0.0)).floor();
+fn place<T: Real>(x: T, scale: Constant) -> (T, T) {
+    let at = x * x.constant(scale);
+    let low = at.floor();
     (low, at - low)
 }
 
-/// The value between the four of an index, on the ways along θd and φd.
+/// The value on the way from one to the other.
 #[inline(always)]
-fn across<T: Real>(index: T, (fd, fp): (T, T), quads: &[[u32; 2]]) -> T {
-    let [a, b, c, d] = T::fetch_quad(index, quads);
-    let (near, beside) = ((b - a).mul_add(fp, a), (d - c).mul_add(fp, c));
-    (beside - near).mul_add(fd, near)
+fn mix<T: Real>([near, far]: [T; 2], way: T) -> T {
+    (far - near).mul_add(way, near)
 }
 
 /// Two neighbours, the first in the low half.

@@ -8,7 +8,7 @@ mod sampler;
 
 use super::{Brdf, Distribution, Footprint, Formula, FormulaVisitor, Fresnel, GrayPolynomial, Microfacet};
 use super::{Outgoing, Profile, Value, Values, half_vector_width};
-use crate::real::Real;
+use crate::real::{Pair, Real};
 use core::f64::consts::{FRAC_1_PI, TAU};
 use core::fmt;
 use data::{Data, Lookup};
@@ -17,11 +17,14 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use build::{BuildError, Built, build};
 pub use coordinates::{angles, directions};
+#[cfg(feature = "wgsl")]
+pub(crate) use data::INSIDE;
 
 /// f_r from values over the half and difference angles (Rusinkiewicz 1998, "A new change of variables for efficient BRDF
 /// representation"), isotropic, reciprocal and symmetric about the plane of incidence by its coordinates.
 ///
-/// The logarithms of the values, 16 bits each, are interpolated in √θh, θd and φd; what the lattice holds is grey, with the
+/// The logarithms of the values, 16 bits each, are interpolated in functions of these angles that follow highlights and the
+/// horizon, and are found without any arc; what the lattice holds is grey, with the
 /// colours in a coarser one beside it ([`Measured::tint`]). Directions are drawn from a cosine and visible GGX normals, fitted
 /// to the values, with their exact density.
 ///
@@ -36,7 +39,8 @@ impl Measured {
         &self.0.stored.name
     }
 
-    /// Nodes along √θh, θd and φd.
+    /// Nodes along functions of θh, θd and φd, in this order: (1 − cosθh)^¼, (1 − cosθd)^½, and the square of the z of the
+    /// difference of the directions over the largest that it has at θh and θd above the horizon.
     pub fn lattice(&self) -> [usize; 3] {
         self.0.shape.nodes()
     }
@@ -156,6 +160,19 @@ impl Formula for Lookup<'_> {
     #[inline(always)]
     fn f<T: Real>(&self, wi: [T; 3], wo: [T; 3]) -> T {
         self.value(coordinates::unit(wi, wo))
+    }
+
+    /// A look-up is a chain of roots, one reading and a power, each of which waits for the one before: side by side, four
+    /// chains take little more than two.
+    const LONG: bool = true;
+
+    #[inline(always)]
+    fn rest_of_four<T: Real>(&self, [a, b, c, d]: [[T; 3]; 4], [x, y, z]: [T; 3]) -> [T; 4] {
+        let four = |a: T, b: T, c: T, d: T| Pair(Pair(a, b), Pair(c, d));
+        let wi = [four(a[0], b[0], c[0], d[0]), four(a[1], b[1], c[1], d[1]), four(a[2], b[2], c[2], d[2])];
+        let wo = [four(x, x, x, x), four(y, y, y, y), four(z, z, z, z)];
+        let Pair(Pair(a, b), Pair(c, d)) = self.f(wi, wo);
+        [a, b, c, d]
     }
 }
 
