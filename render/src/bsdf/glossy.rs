@@ -1,10 +1,10 @@
 //! A Lambertian part beside a lobe of `brdf-tables`: the models the cache has tables for.
 
-use super::{Scatter, Split, Value, mirror};
+use super::{Parts, Scatter, Split, Value, mirror};
 use crate::frame::{Frame, cosine_hemisphere};
 use crate::math::sin_cos_turn;
 use crate::scene::Rgb;
-use brdf_tables::brdf::{Brdf, Formula, Phong, Specular, Visitor, Ward};
+use brdf_tables::brdf::{Brdf, Formula, Fresnel, Microfacet, Phong, Specular, Visitor, Ward};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3A};
 
@@ -33,6 +33,18 @@ impl<'a> Glossy<'a> {
     pub fn new(diffuse: Rgb, specular: Rgb, lobe: Lobe<'a>) -> Self {
         let p_diffuse = super::share(super::mean(diffuse), super::mean(specular));
         Self { diffuse, specular, lobe, p_diffuse }
+    }
+
+    /// What records know it by. Facets whose reflectance is Schlick's have it in their colours, which a table of such facets takes in
+    /// place of its own.
+    pub fn parts(&self) -> Parts {
+        match self.lobe {
+            Lobe::Any(Specular::Microfacet(Microfacet { fresnel: Fresnel::Schlick { f0 }, .. })) => {
+                let normal = self.specular * Rgb::from_array(f0.map(|x| x as f32));
+                Parts { diffuse: self.diffuse, specular: normal, grazing: self.specular }
+            }
+            _ => Parts::even(self.diffuse, self.specular),
+        }
     }
 
     #[inline(always)]

@@ -197,7 +197,7 @@ impl Bsdf<'_> {
         }
         match &self.model {
             Model::Diffuse(reflectance) => Some(Parts::even(*reflectance, Rgb::ZERO)),
-            Model::Glossy(m) => Some(Parts::even(m.diffuse, m.specular)),
+            Model::Glossy(m) => Some(m.parts()),
             Model::RoughMetal(m) => Some(Parts::even(Rgb::ZERO, m.smooth.specular)),
             // A base alone: the coat is looked through.
             Model::SmoothCoat(m) if m.specular == Rgb::ZERO => Some(Parts::even(m.base_albedo(self.wo), Rgb::ZERO)),

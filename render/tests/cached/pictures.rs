@@ -1,11 +1,15 @@
 //! Whole pictures against the path tracer.
 
-use crate::common::{cached, compare, table, traced, world};
+use crate::common::{cached, compare, drawn, table, traced, world};
+use brdf_tables::brdf::{Distribution, Fresnel, Microfacet, Specular};
 use render::cache::Spacing;
 use render::integrator::cached::policy::{Allowed, Policy};
 use render::integrator::cached::{Interpolation, Settings, render_cached};
 use render::picture::Budget;
 use render::record::eas::Estimator;
+use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
+use render::scene::{ColorTexture, Material, Rgb};
+use render::world::World;
 
 const SMALL: [(&str, &str); 2] = [("width", "64"), ("height", "64")];
 
@@ -25,6 +29,36 @@ fn pictures_agree_with_the_path_tracer() {
         let (error, bias) = compare(&picture, &traced(&world, 256));
         println!("{scene}: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.glossy.eas.records);
         assert!(error < bound && bias.abs() < 0.02, "{scene}: {error} {bias}");
+    }
+}
+
+/// Models whose reflectance is Schlick's, of a colour: every method shows that colour, at normal incidence and at the rim.
+#[test]
+fn facets_have_the_colour_of_their_reflectance() {
+    let harmonics = HarmonicsSettings::new(Basis::Hemispherical, Gradients::default(), 0.05, None);
+    for (distribution, alpha, f0) in
+        [(Distribution::Ggx, 0.15, [0.9, 0.6, 0.2]), (Distribution::Beckmann, 0.2, [0.05, 0.1, 0.3])]
+    {
+        let mut scene = world("preview.xml", &SMALL).scene;
+        let specular = Specular::Microfacet(Microfacet {
+            distribution,
+            alpha_x: alpha,
+            alpha_y: alpha,
+            fresnel: Fresnel::Schlick { f0 },
+        });
+        let gray = |x| ColorTexture::Constant(Rgb::splat(x));
+        let lobe = Material::Lobe { diffuse: gray(0.02), specular: gray(0.9), model: specular };
+        let glossy = scene.materials.iter_mut().filter(|m| matches!(m, Material::Phong { .. }));
+        assert!(glossy.map(|material| *material = lobe.clone()).count() > 0);
+        let world = World::new(scene).expect("the scene is valid");
+        let reference = traced(&world, 256);
+        for allowed in [Allowed::Eas, Allowed::Harmonics(harmonics)] {
+            let (_, picture, figures, _) = drawn(&world, allowed);
+            let (error, bias) = compare(&picture, &reference);
+            println!("{distribution:?} {allowed:?}: rel_mse {error:.4}, bias {:.2} %", 100.0 * bias);
+            let records = figures.glossy.eas.records + figures.glossy.harmonics.records;
+            assert!(records > 0 && error < 0.02 && bias.abs() < 0.02, "{distribution:?} {allowed:?}: {error} {bias}");
+        }
     }
 }
 

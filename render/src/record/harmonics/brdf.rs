@@ -7,7 +7,7 @@ use crate::bsdf::Parts;
 use crate::record::reflector::fresnel_tint;
 use crate::record::schlick::{Colors, Edge};
 use crate::scene::Rgb;
-use brdf_tables::brdf::{Brdf, Specular};
+use brdf_tables::brdf::{Brdf, Fresnel, Specular};
 use brdf_tables::gauss::gauss_legendre;
 use core::f64::consts::PI;
 use glam::{DVec3, Vec2, Vec3A};
@@ -205,11 +205,15 @@ impl HarmonicBrdf {
     }
 
     /// Factor on the reflected light at unit strength, for a local direction to the eye: a colour that changes with the angle is
-    /// that for light from everywhere, and the hue of the model's Fresnel term that at the mirror direction.
+    /// that for light from everywhere, and the hue of the model's Fresnel term that at the mirror direction; that of Schlick's is in
+    /// the colours of the parts.
     pub fn color(&self, parts: &Parts, wo: Vec3A) -> Rgb {
         let s = self.edge.at(wo);
         let color = Colors { normal: parts.specular, grazing: parts.grazing }.at(s) / self.edge.gray_at(s);
-        color * fresnel_tint(&self.specular, Vec3A::new(-wo.x, -wo.y, wo.z), wo)
+        match self.specular.fresnel() {
+            Some(Fresnel::Schlick { .. }) => color,
+            _ => color * fresnel_tint(&self.specular, Vec3A::new(-wo.x, -wo.y, wo.z), wo),
+        }
     }
 
     /// Orders, errors and treatment of the map.
