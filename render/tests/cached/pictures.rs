@@ -8,7 +8,7 @@ use render::integrator::cached::{Interpolation, Settings, render_cached};
 use render::picture::Budget;
 use render::record::eas::Estimator;
 use render::record::harmonics::{Basis, Gradients, HarmonicsSettings};
-use render::scene::{ColorTexture, Material, Rgb};
+use render::scene::{ColorTexture, Environment, Material, Rgb};
 use render::world::World;
 
 const SMALL: [(&str, &str); 2] = [("width", "64"), ("height", "64")];
@@ -29,6 +29,21 @@ fn pictures_agree_with_the_path_tracer() {
         let (error, bias) = compare(&picture, &traced(&world, 256));
         println!("{scene}: rel_mse {error:.4}, bias {:.2} %, {} EAS records", 100.0 * bias, figures.glossy.eas.records);
         assert!(error < bound && bias.abs() < 0.02, "{scene}: {error} {bias}");
+    }
+}
+
+/// Paths without end, which Mitsuba's files have where they say nothing, under a sky.
+#[test]
+fn paths_may_be_without_end() {
+    let mut scene = world("preview.xml", &SMALL).scene;
+    scene.environment = Some(Environment::Constant(Rgb::new(0.5, 0.7, 1.0)));
+    scene.integrator.max_depth = u32::MAX;
+    let world = World::new(scene).expect("the scene is valid");
+    let reference = traced(&world, 256);
+    for allowed in [Allowed::Irradiance, Allowed::Eas] {
+        let (error, bias) = compare(&cached(&world, allowed, 0.03, 32).0, &reference);
+        println!("{allowed:?}: rel_mse {error:.4}, bias {:.2} %", 100.0 * bias);
+        assert!(error < 0.01 && bias.abs() < 0.02, "{allowed:?}: {error} {bias}");
     }
 }
 

@@ -259,8 +259,8 @@ impl Shader<'_> {
 
     /// Whether paths are long enough for the light of records.
     pub(super) fn has_indirect(&self, s: &Surface) -> bool {
-        let depth = self.world.scene.integrator.max_depth;
-        s.point.segments + 1 < depth + u32::from(self.split.held.is_some())
+        // Light of the environment comes by one more segment, other light of records by two; paths may be without end.
+        s.point.segments + u32::from(self.split.held.is_none()) < self.world.scene.integrator.max_depth
     }
 
     /// What records say of a surface with these colours, summed over its samples.
